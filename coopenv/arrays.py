@@ -13,7 +13,7 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 
 
-def finite_array(value: npt.ArrayLike, name: str) -> FloatArray:
+def finite_array(value: Any, name: str) -> FloatArray:
     """Convert to float64 and raise `InvalidInput` unless every element is a finite number."""
     try:
         array = np.asarray(value, dtype=np.float64)

@@ -1,0 +1,40 @@
+"""Reward terms, their sums, potential shaping and presets.
+
+A term is a function of a `coopenv.transition.Transition` that returns ``(world, agent)``; its
+weight lives in it. A `RewardSum` names the terms and reports each beside the total.
+"""
+
+from .presets import PRESETS, find_reward
+from .shaping import Potential, PotentialShaping, Progress
+from .sums import RewardSum, Term, recompute
+from .terms import (
+    ActionRate,
+    Contact,
+    Effort,
+    InternalForce,
+    InternalTorque,
+    LoadShare,
+    RelativeCost,
+    Success,
+    TimeCost,
+)
+
+__all__ = [
+    "PRESETS",
+    "ActionRate",
+    "Contact",
+    "Effort",
+    "InternalForce",
+    "InternalTorque",
+    "LoadShare",
+    "Potential",
+    "PotentialShaping",
+    "Progress",
+    "RelativeCost",
+    "RewardSum",
+    "Success",
+    "Term",
+    "TimeCost",
+    "find_reward",
+    "recompute",
+]

@@ -1,0 +1,184 @@
+"""The one description of an environment, and the one place that reads keywords."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any, Self
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, finite_array, positive, whole
+from coopenv.body import Body
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.observation import DEFAULT_BLOCKS, Block, check_blocks
+from coopenv.rewards import RewardSum, find_reward
+from coopenv.scene import Box, Scene
+from coopenv.tasks import Task, TransportTask
+from coopenv.wrench import Settings
+
+ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TransportConfig:
+    """Everything that defines a `coopenv.Transport` but its number of worlds.
+
+    Parameters
+    ----------
+    task
+        Start, goal and success.
+    body, scene
+        What is carried and where; a sequence gives each world its own, and all the bodies must
+        have the same number of grips.
+    reward
+        A `coopenv.rewards.RewardSum`, one term, or the name of a preset.
+    observe
+        Names of observation blocks (`coopenv.observation.BLOCKS`), or `Block` objects.
+    action
+        ``"wrench"`` (fx, fy, tz) or ``"force"`` (fx, fy), each in [−1, 1], agent frame.
+    force_limit, torque_limit
+        What an action of 1 stands for, one number or one an agent.
+    horizon
+        Control steps after which an episode is truncated.
+    dt
+        Control step [s]; the wrench is held in the object frame over it.
+    substeps
+        Physics steps in a control step (`docs/accuracy.md` has the table behind the default).
+    decomposition
+        Settings of the decomposition that observations, info and rewards use.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        If a value breaks its rule; the message names it.
+    """
+
+    task: Task = field(default_factory=TransportTask)
+    body: Body | Sequence[Body] = field(default_factory=Body)
+    scene: Scene | Sequence[Scene] = field(default_factory=Scene)
+    reward: RewardSum | str = "task"
+    observe: Sequence[str | Block] = DEFAULT_BLOCKS
+    action: str = "wrench"
+    force_limit: float | Sequence[float] = 20.0  # [N]
+    torque_limit: float | Sequence[float] = 10.0  # [N·m]
+    horizon: int = 200  # [control steps]
+    dt: float = 0.05  # [s]
+    substeps: int = 2
+    decomposition: Settings = field(default_factory=Settings)
+
+    def __post_init__(self) -> None:
+        _set = object.__setattr__
+        _set(self, "task", _built(self.task, "task", TransportTask))
+        _set(self, "body", _one_or_more(self.body, "body", Body))
+        _set(self, "scene", _one_or_more(self.scene, "scene", Scene))
+        _set(self, "reward", find_reward(self.reward))
+        check_blocks(self.observe)
+        _set(self, "observe", tuple(self.observe))
+        if self.action not in ACTIONS:
+            raise UnknownName("action", self.action, ACTIONS)
+        _set(self, "horizon", whole(self.horizon, "horizon", at_least=1))
+        _set(self, "dt", positive(self.dt, "dt", unit="seconds"))
+        _set(self, "substeps", whole(self.substeps, "substeps", at_least=1))
+        _set(self, "decomposition", _built(self.decomposition, "decomposition", Settings))
+        self._check_agreement()
+
+    @classmethod
+    def parse(cls, keywords: Mapping[str, Any]) -> Self:
+        """The configuration that ``keywords`` describe; an unknown name raises `UnknownName`.
+
+        ``max_episode_steps`` (Gymnasium's word) and ``max_cycles`` (PettingZoo's) stand for
+        ``horizon`` and override it.
+        """
+        known = dict(keywords)
+        for alias in ("max_episode_steps", "max_cycles"):
+            steps = known.pop(alias, None)
+            if steps is not None:
+                known["horizon"] = steps
+        names = {entry.name for entry in fields(cls)}
+        for name in known:
+            if name not in names:
+                raise UnknownName("environment keyword", name, names)
+        return cls(**known)
+
+    @property
+    def num_agents(self) -> int:
+        """Effectors in every world."""
+        return (self.body if isinstance(self.body, Body) else self.body[0]).num_agents
+
+    def bodies(self, num_worlds: int) -> tuple[Body, ...]:
+        """One body a world."""
+        return _spread(self.body, "body", num_worlds)
+
+    def scenes(self, num_worlds: int) -> tuple[Scene, ...]:
+        """One scene a world."""
+        return _spread(self.scene, "scene", num_worlds)
+
+    def limits(self) -> FloatArray:
+        """``(agent, 2)``: force [N] and torque [N·m] that an action of 1 stands for."""
+        return np.stack(
+            [
+                _per_agent(self.force_limit, "force_limit", self.num_agents),
+                _per_agent(self.torque_limit, "torque_limit", self.num_agents),
+            ],
+            axis=-1,
+        )
+
+    def _check_agreement(self) -> None:
+        bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
+        scenes = (self.scene,) if isinstance(self.scene, Scene) else tuple(self.scene)
+        counts = sorted({body.num_agents for body in bodies})
+        if len(counts) > 1:
+            raise InvalidInput(
+                f"body.grips must be as many in every world, got {counts}; "
+                "one batch holds teams of one size"
+            )
+        self.limits()
+        for body in set(bodies):
+            for scene in set(scenes):
+                self.task.check(body, scene)
+
+
+def _built(value: Any, name: str, kind: type) -> Any:
+    """Build ``kind`` from a mapping, the form in which JSON brings a dataclass back."""
+    if not isinstance(value, Mapping):
+        if kind is not TransportTask and not isinstance(value, kind):
+            raise InvalidInput(
+                f"{name} must be a {kind.__name__}, got {value!r}; pass {kind.__name__}(...)"
+            )
+        return value
+    known = [entry.name for entry in fields(kind)]
+    for key in value:
+        if key not in known:
+            raise UnknownName(f"keyword of {name}", key, known)
+    if kind is Scene:
+        boxes = tuple(_built(box, "scene.obstacles", Box) for box in value.get("obstacles", ()))
+        value = {**value, "obstacles": boxes}
+    return kind(**value)
+
+
+def _one_or_more(value: Any, name: str, kind: type) -> Any:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if not value:
+            raise InvalidInput(f"{name} must not be empty, got {value!r}; give one, or one a world")
+        return tuple(_built(entry, name, kind) for entry in value)
+    return _built(value, name, kind)
+
+
+def _spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
+    if not isinstance(value, tuple):
+        return (value,) * num_worlds
+    if len(value) != num_worlds:
+        raise InvalidInput(
+            f"{name} must be one, or one for each of the {num_worlds} worlds, got {len(value)}; "
+            "repeat or drop entries"
+        )
+    return value
+
+
+def _per_agent(value: Any, name: str, num_agents: int) -> FloatArray:
+    limits = finite_array(value, name)
+    if limits.shape not in ((), (num_agents,)) or (limits <= 0).any():
+        raise InvalidInput(
+            f"{name} must be positive, one number or one for each of {num_agents} agents, "
+            f"got {value!r}; a torque-free agent is action='force'"
+        )
+    return np.broadcast_to(limits, (num_agents,))

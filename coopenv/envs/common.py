@@ -1,0 +1,90 @@
+"""What the views share: spaces, reset options, pictures."""
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+
+from coopenv.errors import UnknownName
+from coopenv.transport import Transport
+
+RENDER_MODES = ["human", "rgb_array"]
+RESET_OPTIONS = ("pose", "goal")
+
+
+def agent_observation_space(transport: Transport) -> "Box[np.float32]":
+    """What one agent sees."""
+    return Box(transport.observation.low, transport.observation.high, dtype=np.float32)
+
+
+def agent_action_space(transport: Transport) -> "Box[np.float32]":
+    """What one agent does."""
+    return Box(-1.0, 1.0, (transport.action_size,), dtype=np.float32)
+
+
+def team_observation_space(transport: Transport) -> "Box[np.float32]":
+    """What all agents of a world see, one after the other."""
+    low, high = transport.observation.low, transport.observation.high
+    count = transport.num_agents
+    return Box(np.tile(low, count), np.tile(high, count), dtype=np.float32)
+
+
+def team_action_space(transport: Transport) -> "Box[np.float32]":
+    """What all agents of a world do, one after the other."""
+    return Box(-1.0, 1.0, (transport.num_agents * transport.action_size,), dtype=np.float32)
+
+
+def check_render_mode(mode: str | None) -> str | None:
+    """Return ``mode``, or raise `UnknownName` unless it is ``None`` or one of `RENDER_MODES`."""
+    if mode is not None and mode not in RENDER_MODES:
+        raise UnknownName("render_mode", mode, RENDER_MODES)
+    return mode
+
+
+def start_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Read ``options={"pose": ..., "goal": ...}`` of a reset.
+
+    Another key warns and is left out: the option dictionary is shared with wrappers, and
+    PettingZoo's API test puts a key of its own there.
+    """
+    given = dict(options or {})
+    for name in set(given).difference(RESET_OPTIONS):
+        warnings.warn(
+            f"reset options must be among {RESET_OPTIONS}, got {name!r}; it has no effect",
+            stacklevel=3,
+        )
+        del given[name]
+    return given
+
+
+class Pictures:
+    """Draws the worlds of a transport, each with a renderer made when it is first needed."""
+
+    def __init__(self, transport: Transport, mode: str | None):
+        self._transport, self._mode = transport, check_render_mode(mode)
+        self._renderers: dict[int, Any] = {}
+
+    def draw(self, world: int = 0) -> Any:
+        """The picture of a world ``(height, width, 3)`` uint8; ``None`` without mode or window."""
+        transition = self._transport.transition
+        if self._mode is None or transition is None:
+            return None
+        if world not in self._renderers:
+            from coopenv.render import Renderer
+
+            self._renderers[world] = Renderer(
+                self._transport.bodies,
+                self._transport.scenes,
+                mode=self._mode,
+                world=world,
+                fps=round(1 / self._transport.dt),
+            )
+        return self._renderers[world].draw(transition)
+
+    def close(self) -> None:
+        """Close every window."""
+        for renderer in self._renderers.values():
+            renderer.close()
+        self._renderers.clear()

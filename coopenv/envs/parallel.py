@@ -1,0 +1,158 @@
+"""PettingZoo view: one world, every agent with its own action, observation and reward."""
+
+from collections.abc import Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium.spaces import Space
+from pettingzoo import AECEnv, ParallelEnv
+from pettingzoo.utils import wrappers
+from pettingzoo.utils.conversions import parallel_to_aec
+
+from coopenv import info as infos
+from coopenv.config import TransportConfig
+from coopenv.envs.common import (
+    RENDER_MODES,
+    Pictures,
+    agent_action_space,
+    agent_observation_space,
+    start_options,
+    team_observation_space,
+)
+from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.transport import Transport
+
+Observation: TypeAlias = npt.NDArray[np.float32]
+Action: TypeAlias = npt.NDArray[np.float32]
+ByAgent = dict[str, Any]
+
+
+class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
+    """A team carries an object, each agent on its own.
+
+    Every agent has its own observation and reward; they end together. Info, per agent: as
+    `coopenv.info.step_info`, wrenches, shares and reward terms its own.
+
+    Parameters
+    ----------
+    name
+        For ``metadata``.
+    render_mode
+        ``None``, ``"human"`` or ``"rgb_array"``.
+    **keywords
+        Fields of `coopenv.TransportConfig`.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
+        "render_modes": RENDER_MODES,
+        "is_parallelizable": True,
+    }
+
+    def __init__(self, *, name: str, render_mode: str | None = None, **keywords: Any):
+        self.transport = Transport(config=TransportConfig.parse(keywords))
+        self._pictures = Pictures(self.transport, render_mode)
+        self.render_mode = render_mode
+        fps = round(1 / self.transport.dt)
+        self.metadata = {**self.metadata, "name": name, "render_fps": fps}
+        self.possible_agents = [f"agent_{i}" for i in range(self.transport.num_agents)]
+        self.agents: list[str] = []
+        self.observation_spaces = {
+            agent: agent_observation_space(self.transport) for agent in self.possible_agents
+        }
+        self.action_spaces = {
+            agent: agent_action_space(self.transport) for agent in self.possible_agents
+        }
+        self.state_space = team_observation_space(self.transport)
+        self.observation_blocks = self.transport.observation.blocks
+        self._obs = np.zeros(self.state_space.shape, dtype=np.float32)
+
+    def observation_space(self, agent: str) -> Space[Observation]:
+        """What ``agent`` sees; always the same object."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Space[Action | None]:
+        """What ``agent`` does; always the same object."""
+        return self.action_spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Observation], ByAgent]:
+        """Start an episode; ``options`` may give ``pose`` and ``goal`` (x, y, θ)."""
+        obs, info = self.transport.reset(seed=seed, **start_options(options))
+        self.agents = self.possible_agents[:]
+        if self.render_mode == "human":
+            self.render()
+        return self._split(obs), self._infos(infos.defined(info))
+
+    def step(
+        self, actions: Mapping[str, Action | None]
+    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], ByAgent]:
+        """Advance by one control step."""
+        joint = self._joint(actions)
+        obs, reward, terminated, truncated, info = self.transport.step(joint)
+        seen, told = self._split(obs), self._infos(info)
+        rewards = dict(zip(self.agents, reward[0].tolist(), strict=True))
+        ends = dict.fromkeys(self.agents, bool(terminated[0]))
+        stops = dict.fromkeys(self.agents, bool(truncated[0]))
+        if terminated[0] or truncated[0]:
+            self.agents = []
+        if self.render_mode == "human":
+            self.render()
+        return seen, rewards, ends, stops, told
+
+    def state(self) -> Observation:
+        """What all agents see, one after the other, for central critics."""
+        return self._obs.reshape(-1).copy()
+
+    def render(self) -> Any:
+        """The picture ``(height, width, 3)`` uint8, or ``None`` with a window open."""
+        return self._pictures.draw()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._pictures.close()
+
+    def _joint(self, actions: Mapping[str, Action | None]) -> npt.NDArray[np.float64]:
+        if not self.agents:
+            raise ResetNeeded("reset must be called before a step, got an ended episode; reset()")
+        if set(actions) != set(self.agents):
+            raise InvalidInput(
+                f"actions must have one entry for each of {self.agents}, got {sorted(actions)}; "
+                "add or drop entries"
+            )
+        size = self.transport.action_size
+        rows = [np.asarray(actions[agent]) for agent in self.agents]
+        for agent, row in zip(self.agents, rows, strict=True):
+            if row.shape != (size,):
+                raise InvalidInput(
+                    f"actions[{agent!r}] must have shape ({size},), got {row.shape}; see "
+                    f"action_space({agent!r})"
+                )
+        return np.stack(rows)[None]
+
+    def _split(self, obs: Observation) -> dict[str, Observation]:
+        self._obs = obs[0]
+        return {agent: obs[0, i].copy() for i, agent in enumerate(self.possible_agents)}
+
+    def _infos(self, info: infos.Info) -> ByAgent:
+        single = infos.one(info, 0)
+        return {agent: _own(single, i) for i, agent in enumerate(self.possible_agents)}
+
+
+def _own(info: infos.Info, i: int) -> infos.Info:
+    """Agent ``i``'s part: its row of what is per agent, the rest as it is."""
+    own: infos.Info = {}
+    for name, value in info.items():
+        if isinstance(value, dict):
+            own[name] = _own(value, i)
+        elif isinstance(value, np.ndarray):
+            own[name] = value[i].copy() if value.ndim > 1 else value[i].item()
+        else:
+            own[name] = value
+    return own
+
+
+def aec(parallel: TransportParallelEnv) -> AECEnv:
+    """The AEC view: agents act in turn, the world moves once all have."""
+    return wrappers.OrderEnforcingWrapper(parallel_to_aec(parallel))

@@ -1,0 +1,89 @@
+"""Gymnasium view: one world, one joint action, one joint observation, team-mean reward."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from coopenv import info as infos
+from coopenv.config import TransportConfig
+from coopenv.envs.common import (
+    RENDER_MODES,
+    Pictures,
+    start_options,
+    team_action_space,
+    team_observation_space,
+)
+from coopenv.transport import Transport
+
+
+class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
+    """A team carries an object, driven by one joint action.
+
+    Observation: the blocks of agent 0, then of agent 1, …; `observation_blocks` maps each name to
+    its slice in one agent's part. Action: ``action_size`` numbers an agent, in [−1, 1], clipped.
+    Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms averaged
+    over the team.
+
+    Parameters
+    ----------
+    render_mode
+        ``None``, ``"human"`` or ``"rgb_array"``.
+    **keywords
+        Fields of `coopenv.TransportConfig`.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
+        "render_modes": RENDER_MODES,
+        "render_fps": 20,
+    }
+
+    def __init__(self, *, render_mode: str | None = None, **keywords: Any):
+        self.transport = Transport(config=TransportConfig.parse(keywords))
+        self._pictures = Pictures(self.transport, render_mode)
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": round(1 / self.transport.dt)}
+        self.observation_space = team_observation_space(self.transport)
+        self.action_space = team_action_space(self.transport)
+        self.observation_blocks = self.transport.observation.blocks
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[npt.NDArray[np.float32], dict[str, Any]]:
+        """Start an episode; ``options`` may give ``pose`` and ``goal`` (x, y, θ)."""
+        given = start_options(options)
+        super().reset(seed=seed)
+        if self.spec is not None and self.spec.max_episode_steps is not None:
+            self.transport.horizon = self.spec.max_episode_steps
+        self.transport.generators[0] = self.np_random
+        obs, info = self.transport.reset(**given)
+        if self.render_mode == "human":
+            self.render()
+        return obs.reshape(-1), _team_info(infos.defined(info))
+
+    def step(
+        self, action: npt.NDArray[np.float32]
+    ) -> tuple[npt.NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """Advance by one control step."""
+        joint = np.reshape(action, (1, self.transport.num_agents, -1))
+        obs, reward, terminated, truncated, info = self.transport.step(joint)
+        if self.render_mode == "human":
+            self.render()
+        mean = float(reward.mean())
+        return obs.reshape(-1), mean, bool(terminated[0]), bool(truncated[0]), _team_info(info)
+
+    def render(self) -> Any:
+        """The picture ``(height, width, 3)`` uint8, or ``None`` with a window open."""
+        return self._pictures.draw()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._pictures.close()
+
+
+def _team_info(info: infos.Info) -> infos.Info:
+    single = infos.one(info, 0)
+    terms = single["reward_terms"]
+    single["reward_terms"] = {name: float(term.mean()) for name, term in terms.items()}
+    return single

@@ -1,0 +1,147 @@
+"""Gymnasium vector view: all worlds of a transport as one ``VectorEnv`` with autoreset."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from coopenv.arrays import BoolArray
+from coopenv.config import TransportConfig
+from coopenv.envs.common import (
+    RENDER_MODES,
+    Pictures,
+    start_options,
+    team_action_space,
+    team_observation_space,
+)
+from coopenv.errors import UnknownName
+from coopenv.info import Info
+from coopenv.transport import Seed, Transport
+
+
+class TransportVectorEnv(gymnasium.vector.VectorEnv):
+    """``num_envs`` worlds stepped together; spaces and rewards as in `TransportEnv`.
+
+    Parameters
+    ----------
+    num_envs
+        Number of worlds; world k of ``reset(seed=s)`` starts as the single one with ``s + k``.
+    render_mode
+        ``None`` or ``"rgb_array"`` (one picture a world).
+    autoreset_mode
+        ``"NextStep"``: the step after the end resets and ignores the action. ``"SameStep"``: the
+        ending step returns the new episode's observation; the last of the old one is
+        ``info["final_obs"]``, its info ``info["final_info"]``. ``"Disabled"``: the caller resets
+        with ``options={"reset_mask": ...}``. Gymnasium's enumeration is taken as well.
+    **keywords
+        Fields of `coopenv.TransportConfig`.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
+        "render_modes": RENDER_MODES,
+        "render_fps": 20,
+    }
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        render_mode: str | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        **keywords: Any,
+    ):
+        config = TransportConfig.parse(keywords)
+        self.transport = Transport(num_worlds=num_envs, config=config)
+        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self._pictures = Pictures(self.transport, render_mode)
+        self.num_envs, self.render_mode = num_envs, render_mode
+        self.metadata = {
+            **self.metadata,
+            "render_fps": round(1 / self.transport.dt),
+            "autoreset_mode": self.autoreset_mode,
+        }
+        self.single_observation_space = team_observation_space(self.transport)
+        self.single_action_space = team_action_space(self.transport)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_blocks = self.transport.observation.blocks
+        self._done = np.zeros(num_envs, dtype=np.bool_)
+
+    def reset(
+        self, *, seed: Seed = None, options: dict[str, Any] | None = None
+    ) -> tuple[npt.NDArray[np.float32], Info]:
+        """Start every world anew, or those that ``options["reset_mask"]`` marks.
+
+        ``options`` may also give ``pose`` and ``goal``, ``(3,)`` or ``(num_envs, 3)``.
+        """
+        given = dict(options or {})
+        mask = given.pop("reset_mask", None)
+        obs, info = self.transport.reset(seed=seed, mask=mask, **start_options(given))
+        self._done[slice(None) if mask is None else np.asarray(mask)] = False
+        return self._joint(obs), self._vector_info(info)
+
+    def step(
+        self, actions: npt.NDArray[np.float32]
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float64], BoolArray, BoolArray, Info]:
+        """Advance every world by one control step."""
+        joint = np.reshape(actions, (self.num_envs, self.transport.num_agents, -1))
+        restart = self._done if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
+        obs, reward, terminated, truncated, info = self.transport.step(joint, restart=restart)
+        done = self._done = terminated | truncated
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and done.any():
+            final = self._final(obs, info, done)
+            obs, info = self.transport.reset(mask=done)
+            info = {**self._vector_info(info), **final}
+        else:
+            info = self._vector_info(info)
+        return self._joint(obs), reward.mean(axis=1), terminated, truncated, info
+
+    def render(self) -> tuple[Any, ...] | None:
+        """One picture a world, or ``None`` without a render mode."""
+        if self.render_mode is None:
+            return None
+        return tuple(self._pictures.draw(world) for world in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the windows."""
+        self._pictures.close()
+
+    def _joint(self, obs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        return obs.reshape(self.num_envs, -1)
+
+    def _vector_info(self, info: Info, mask: BoolArray | None = None) -> Info:
+        """Reward terms averaged over the team, and Gymnasium's ``_key`` mask beside each key."""
+        terms = {name: term.mean(axis=1) for name, term in info["reward_terms"].items()}
+        present = np.ones(self.num_envs, dtype=np.bool_) if mask is None else mask
+        return _masked({**info, "reward_terms": terms}, present)
+
+    def _final(self, obs: npt.NDArray[np.float32], info: Info, done: BoolArray) -> Info:
+        last = np.full(self.num_envs, None, dtype=object)
+        for k in np.flatnonzero(done):
+            last[k] = obs[k].reshape(-1)
+        return {
+            "final_obs": last,
+            "_final_obs": done.copy(),
+            "final_info": self._vector_info(info, done),
+            "_final_info": done.copy(),
+        }
+
+
+def _masked(info: Info, present: BoolArray) -> Info:
+    masked: Info = {}
+    for name, value in info.items():
+        masked[name] = _masked(value, present) if isinstance(value, dict) else value
+        masked[f"_{name}"] = present.copy()
+    return masked
+
+
+def _autoreset_mode(mode: str | AutoresetMode) -> AutoresetMode:
+    if isinstance(mode, AutoresetMode):
+        return mode
+    known = {member.value: member for member in AutoresetMode}
+    if mode not in known:
+        raise UnknownName("autoreset_mode", mode, known)
+    return known[mode]

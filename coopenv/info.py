@@ -1,0 +1,75 @@
+"""What a step reports beside the reward: the decomposition, measures and reward terms."""
+
+from typing import Any
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.transition import Transition
+
+Info = dict[str, Any]  # name -> array with one entry a world, or a dict of such arrays
+
+
+def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
+    """Infos of all worlds after a step.
+
+    Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]; shares ``(world, agent)`` are
+    NaN where undefined; the levels F_I [N] and T_I [N·m], γ, ``success`` and ``contact_impulse``
+    [N·s] are ``(world,)``; ``reward_terms`` maps each name to ``(world, agent)``.
+    """
+    decomposition = transition.decomposition
+    share = decomposition.load_share
+    return {
+        "internal_wrench": decomposition.internal,
+        "manipulation_wrench": decomposition.manipulation,
+        "force_load_share": share.force,
+        "torque_load_share": share.torque,
+        "relative_cost": decomposition.relative_cost,
+        "internal_force_level": decomposition.internal_force_level,
+        "internal_torque_level": decomposition.internal_torque_level,
+        "reward_terms": parts,
+        "success": transition.success,
+        "contact_impulse": transition.contact_impulse,
+    }
+
+
+def start_info(start: Transition, reward_names: tuple[str, ...]) -> Info:
+    """Infos at the start of an episode: as after a step in which nothing was applied or earned."""
+    nothing = np.zeros(start.applied.shape[:2])
+    return step_info(start, {name: nothing.copy() for name in reward_names})
+
+
+def defined(info: Info) -> Info:
+    """``info`` without the load shares, which nothing defines at the start of an episode.
+
+    For single environments: their checkers compare infos of resets, and NaN never equals itself.
+    """
+    return {name: value for name, value in info.items() if not name.endswith("load_share")}
+
+
+def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:
+    """A copy of ``info`` with ``worlds`` replaced by those of ``other``, in order."""
+    return {
+        name: with_worlds(value, worlds, other[name])
+        if isinstance(value, dict)
+        else replaced(value, worlds, other[name])
+        for name, value in info.items()
+    }
+
+
+def replaced(value: Any, worlds: IntArray, other: Any) -> Any:
+    """A copy of an array with the rows ``worlds`` set to ``other``."""
+    copy = value.copy()
+    copy[worlds] = other
+    return copy
+
+
+def one(info: Info, k: int) -> Info:
+    """The info of world ``k`` alone: its first axis dropped, single numbers as Python's own."""
+    single: Info = {}
+    for name, value in info.items():
+        if isinstance(value, dict):
+            single[name] = one(value, k)
+        else:
+            single[name] = value[k] if value.ndim > 1 else value[k].item()
+    return single

@@ -1,0 +1,138 @@
+"""Exact planar motion of a dragged rigid body under a wrench held in the object frame.
+
+    m v̇ = R(θ) f − d v,    J ω̇ = τ − D ω,    θ̇ = ω
+
+The angle has a closed form; the velocity is the convolution of the turning force with the drag's
+exponential, taken by three-point Gauss–Legendre quadrature (error of order ω⁶ h⁶: rounding at the
+step sizes used here). All that depends only on the body and the step is tabulated once.
+"""
+
+import numpy as np
+from numba import njit
+
+from coopenv.arrays import FloatArray
+
+_NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
+_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
+
+# Columns of the coefficient table, one row a world.
+DECAY, COAST, SPIN_DECAY, SPIN_COAST = 0, 1, 2, 3  # what is left of v, ω; path a unit of it covers
+SPIN_GAIN, TURN_GAIN = 4, 5  # ω and θ gained a unit of torque
+NODE_COAST, NODE_TURN = 6, 9  # the angle at each node, a unit of ω and of torque
+NODE_SPEED, NODE_PATH = 12, 15  # velocity and path gained a unit of force, by node
+MASS, INERTIA = 18, 19
+NUM_COEFFICIENTS = 20
+
+
+def coefficients(
+    mass: FloatArray,
+    inertia: FloatArray,
+    linear_drag: FloatArray,
+    angular_drag: FloatArray,
+    step: float,
+) -> FloatArray:
+    """Tabulate the motion over one substep of ``step`` seconds, ``(world, NUM_COEFFICIENTS)``."""
+    rate, spin_rate = linear_drag / mass, angular_drag / inertia  # [1/s]
+    table = np.empty((len(mass), NUM_COEFFICIENTS))
+    table[:, DECAY] = np.exp(-rate * step)
+    table[:, COAST] = _coasted(rate, step)
+    table[:, SPIN_DECAY] = np.exp(-spin_rate * step)
+    table[:, SPIN_COAST] = _coasted(spin_rate, step)
+    table[:, SPIN_GAIN] = _coasted(spin_rate, step) / inertia
+    table[:, TURN_GAIN] = _pushed(spin_rate, step) / inertia
+    for i, (node, weight) in enumerate(zip(_NODES * step, _WEIGHTS * step, strict=True)):
+        table[:, NODE_COAST + i] = _coasted(spin_rate, node)
+        table[:, NODE_TURN + i] = _pushed(spin_rate, node) / inertia
+        table[:, NODE_SPEED + i] = weight * np.exp(-rate * (step - node)) / mass
+        table[:, NODE_PATH + i] = weight * _coasted(rate, step - node) / mass
+    table[:, MASS], table[:, INERTIA] = mass, inertia
+    return table
+
+
+def _coasted(rate: FloatArray, time: float) -> FloatArray:
+    """Path of a unit velocity that decays: ∫₀ᵗ exp(−rate·s) ds [s]."""
+    slow = rate * time < 1e-12
+    return np.where(slow, time, -np.expm1(-rate * time) / np.where(slow, 1, rate))
+
+
+def _pushed(rate: FloatArray, time: float) -> FloatArray:
+    """Path under a unit acceleration held for ``time``: ∫₀ᵗ ∫₀ˢ exp(−rate·u) du ds [s²]."""
+    x = rate * time
+    series = time**2 * (1 / 2 - x / 6 + x**2 / 24 - x**3 / 120 + x**4 / 720)
+    near = x < 1e-2
+    return np.where(near, series, (time - _coasted(rate, time)) / np.where(near, 1, rate))
+
+
+@njit(cache=True, nogil=True)
+def advance(row, angle, vx, vy, spin, fx, fy, torque):  # pragma: no cover - compiled
+    """Pose change and twist after one substep: ``(dx, dy, dθ, vx, vy, ω)``, world frame.
+
+    ``row`` is the world's row of the coefficient table; the force is in the object frame.
+    """
+    dx, dy = row[COAST] * vx, row[COAST] * vy
+    speed_x, speed_y = row[DECAY] * vx, row[DECAY] * vy
+    for i in range(3):
+        at = angle + row[NODE_COAST + i] * spin + row[NODE_TURN + i] * torque
+        c, s = np.cos(at), np.sin(at)
+        world_x, world_y = c * fx - s * fy, s * fx + c * fy
+        dx += row[NODE_PATH + i] * world_x
+        dy += row[NODE_PATH + i] * world_y
+        speed_x += row[NODE_SPEED + i] * world_x
+        speed_y += row[NODE_SPEED + i] * world_y
+    turn = row[SPIN_COAST] * spin + row[TURN_GAIN] * torque
+    return dx, dy, turn, speed_x, speed_y, row[SPIN_DECAY] * spin + row[SPIN_GAIN] * torque
+
+
+@njit(cache=True, nogil=True)
+def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma: no cover - compiled
+    """Fill pymunk's buffer so that its own integrator lands where `advance` does.
+
+    Chipmunk moves each body by its velocity, then finds contacts, then accelerates it. So the
+    velocity is set to the mean over the substep and the force to what brings it to the end value.
+
+    Parameters
+    ----------
+    rows
+        ``(world,)`` the row each world has in pymunk's buffer.
+    table
+        ``(world, NUM_COEFFICIENTS)``.
+    pose, twist, wrench
+        ``(world, 3)``; pose and twist world frame, wrench object frame.
+    step
+        Substep [s].
+    command
+        ``(row, 6)`` written: velocity, angular velocity, force, torque.
+    expected
+        ``(world, 3)`` written: the twist at the end if nothing is touched.
+    """
+    for k in range(len(rows)):
+        row = table[k]
+        dx, dy, turn, vx, vy, spin = advance(
+            row, pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2],
+            wrench[k, 0], wrench[k, 1], wrench[k, 2],
+        )  # fmt: skip
+        out = command[rows[k]]
+        out[0], out[1], out[2] = dx / step, dy / step, turn / step
+        out[3] = row[MASS] * (vx - out[0]) / step
+        out[4] = row[MASS] * (vy - out[1]) / step
+        out[5] = row[INERTIA] * (spin - out[2]) / step
+        expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
+
+
+@njit(cache=True, nogil=True)
+def collect(rows, table, reach, origin, report, expected, pose, twist, impulse):  # pragma: no cover
+    """Read pymunk's buffer back and add up what contacts did to each body.
+
+    The impulse of a substep is the least total of contact impulses that explains the change of
+    momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
+    """
+    for k in range(len(rows)):
+        at = report[rows[k]]
+        pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin[k, 0], at[1] - origin[k, 1], at[2]
+        dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
+        speed = np.sqrt(dx * dx + dy * dy)
+        rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
+        if speed > rounding or abs(spin) > rounding:
+            push = table[k, MASS] * speed
+            impulse[k] += max(push, table[k, INERTIA] * abs(spin) / reach[k])
+        twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]

@@ -1,0 +1,101 @@
+"""Where the object is carried: a walled room and what stands in it."""
+
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, finite_array, positive
+from coopenv.errors import InvalidInput
+
+WALL_THICKNESS = 2.0  # [m]; a beam at full force passes thin walls between two substeps
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """A solid rectangular obstacle."""
+
+    center: tuple[float, float]  # [m], world frame
+    size: tuple[float, float]  # [m], along its own axes
+    angle: float = 0.0  # [rad]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "center", _pair(self.center, "obstacle.center"))
+        width, height = _pair(self.size, "obstacle.size")
+        size = (positive(width, "obstacle.size"), positive(height, "obstacle.size"))
+        object.__setattr__(self, "size", size)
+        object.__setattr__(self, "angle", float(finite_array(self.angle, "obstacle.angle")))
+
+    @property
+    def vertices(self) -> FloatArray:
+        """Corners ``(4, 2)`` [m], world frame, counter-clockwise."""
+        half = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * np.array(self.size) / 2
+        c, s = cos(self.angle), sin(self.angle)
+        return half @ np.array([[c, s], [-s, c]]) + np.array(self.center)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A rectangular room centred on the world's origin, with walls all round and obstacles in it.
+
+    Raises
+    ------
+    InvalidInput
+        If a value breaks its rule.
+    """
+
+    size: tuple[float, float] = (6.0, 6.0)  # [m], inner width (x) and height (y)
+    obstacles: tuple[Box, ...] = ()
+    friction: float = 1.0  # of walls and obstacles; a contact takes the product with the body's
+
+    def __post_init__(self) -> None:
+        width, height = _pair(self.size, "scene.size")
+        size = (positive(width, "scene.size", unit="m"), positive(height, "scene.size", unit="m"))
+        object.__setattr__(self, "size", size)
+        friction = positive(self.friction, "scene.friction", or_zero=True)
+        object.__setattr__(self, "friction", friction)
+        object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        for obstacle in self.obstacles:
+            if not isinstance(obstacle, Box):
+                raise InvalidInput(
+                    f"scene.obstacles must be Box objects, got {obstacle!r}; "
+                    "pass coopenv.Box(center=..., size=...)"
+                )
+
+    def solids(self) -> list[FloatArray]:
+        """Every wall and obstacle as the vertices ``(4, 2)`` of a convex polygon [m]."""
+        half_x, half_y = self.size[0] / 2, self.size[1] / 2
+        far_x, far_y = half_x + WALL_THICKNESS, half_y + WALL_THICKNESS
+        walls = [
+            _rectangle(-far_x, -far_y, far_x, -half_y),
+            _rectangle(-far_x, half_y, far_x, far_y),
+            _rectangle(-far_x, -half_y, -half_x, half_y),
+            _rectangle(half_x, -half_y, far_x, half_y),
+        ]
+        return walls + [obstacle.vertices for obstacle in self.obstacles]
+
+    def is_clear(self, outline: FloatArray) -> bool:
+        """Whether a convex outline ``(v, 2)`` [m] keeps off every obstacle; walls are not asked."""
+        return all(_apart(outline, obstacle.vertices) for obstacle in self.obstacles)
+
+
+def _rectangle(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
+    return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+
+
+def _apart(first: FloatArray, second: FloatArray) -> bool:
+    """Whether an edge of one of two convex polygons separates them (separating axes)."""
+    for polygon in (first, second):
+        edges = np.roll(polygon, -1, axis=0) - polygon
+        normals = np.stack([edges[:, 1], -edges[:, 0]])  # (2, edge)
+        a, b = first @ normals, second @ normals  # (vertex, edge)
+        if ((a.max(axis=0) < b.min(axis=0)) | (b.max(axis=0) < a.min(axis=0))).any():
+            return True
+    return False
+
+
+def _pair(value: object, name: str) -> tuple[float, float]:
+    array = finite_array(value, name)
+    if array.shape != (2,):
+        raise InvalidInput(f"{name} must be two numbers, got {value!r}; pass (x, y) in metres")
+    return float(array[0]), float(array[1])

@@ -1,0 +1,128 @@
+"""What a step was: all that rewards and observations get to see."""
+
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Self
+
+import numpy as np
+
+from coopenv import frames
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.wrench import Decomposer, Decomposition, Settings
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class State:
+    """Where every world is; world frame, origin at the room's centre."""
+
+    pose: FloatArray  # (world, 3): x, y [m], θ wrapped to (−π, π] [rad]
+    twist: FloatArray  # (world, 3): its rate [m/s, rad/s]
+    goal: FloatArray  # (world, 3): as pose
+    distance: FloatArray  # (world,): the task's distance to its goal [m]
+    time: FloatArray  # (world,): since the episode began [s]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Team:
+    """The effectors of every world: where they hold and how strong they are."""
+
+    grips: FloatArray  # (world, agent, 2), object frame [m]
+    frame: FloatArray  # (world, agent, 2): see `coopenv.frames`
+    limits: FloatArray  # (world, agent, 2): force [N] and torque [N·m] an action of 1 stands for
+    settings: Settings  # of the environment's own decomposition
+    alike: bool  # whether every world has the same grips
+    _decomposers: dict[Settings, Decomposer] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def build(cls, grips: FloatArray, limits: FloatArray, settings: Settings) -> Self:
+        """A team from its grips and limits, ``(world, agent, 2)`` each."""
+        return cls(
+            grips=grips,
+            frame=frames.agent_frames(grips),
+            limits=limits,
+            settings=settings,
+            alike=bool((grips == grips[:1]).all()),
+        )
+
+    @property
+    def num_agents(self) -> int:
+        """Number of effectors in a world."""
+        return self.grips.shape[1]
+
+    def decomposer(self, settings: Settings) -> Decomposer:
+        """The decomposition under ``settings``, checked on first use."""
+        found = self._decomposers.get(settings)
+        if found is None:
+            found = Decomposer(self.grips[0] if self.alike else self.grips, settings)
+            self._decomposers[settings] = found
+        return found
+
+    def take(self, worlds: IntArray) -> "Team":
+        """Only the given worlds."""
+        return replace(
+            self,
+            grips=self.grips[worlds],
+            frame=self.frame[worlds],
+            limits=self.limits[worlds],
+            _decomposers=self._decomposers if self.alike else {},
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Transition:
+    """One control step of every world, from ``state`` to ``next_state``.
+
+    Wrenches are in the object frame, which is also the frame they were held in. After a reset,
+    ``state`` is ``next_state`` and nothing was applied.
+    """
+
+    state: State
+    next_state: State
+    team: Team
+    action: FloatArray  # (world, agent, a), clipped to [−1, 1], agent frame
+    previous_action: FloatArray  # as action; zero at the first step of an episode
+    applied: FloatArray  # (world, agent, 3) [N, N·m]
+    contact_impulse: FloatArray  # (world,) [N·s] from walls and obstacles
+    success: BoolArray  # (world,)
+    terminated: BoolArray  # (world,)
+    truncated: BoolArray  # (world,)
+    dt: float  # [s]
+    horizon: int  # control steps in an episode
+    _decompositions: dict[Settings, Decomposition] = field(
+        init=False, default_factory=dict, repr=False
+    )
+
+    @property
+    def decomposition(self) -> Decomposition:
+        """Of ``applied``, under the environment's settings."""
+        return self.decompose(self.team.settings)
+
+    def decompose(self, settings: Settings) -> Decomposition:
+        """Of ``applied``, under other settings; computed once a step for each."""
+        found = self._decompositions.get(settings)
+        if found is None:
+            found = self.team.decomposer(settings)(self.applied)
+            self._decompositions[settings] = found
+        return found
+
+    def per_agent(self, value: FloatArray) -> FloatArray:
+        """Repeat one value a world ``(world,)`` for each agent: ``(world, agent)``."""
+        repeated = np.empty(self.applied.shape[:2])
+        repeated[:] = value[:, None]
+        return repeated
+
+    def with_worlds(self, worlds: IntArray, other: "Transition") -> "Transition":
+        """A copy with ``worlds`` replaced by those of ``other``, in order."""
+        return _merged(self, worlds, other)
+
+
+def _merged(value: Any, worlds: IntArray, other: Any) -> Any:
+    """Copy of a dataclass of per-world arrays with the rows ``worlds`` taken from ``other``."""
+    changed = {}
+    for entry in fields(value):
+        mine = getattr(value, entry.name)
+        if isinstance(mine, np.ndarray):
+            changed[entry.name] = mine.copy()
+            changed[entry.name][worlds] = getattr(other, entry.name)
+        elif isinstance(mine, State):
+            changed[entry.name] = _merged(mine, worlds, getattr(other, entry.name))
+    return replace(value, **changed)

@@ -1,0 +1,310 @@
+"""The core: many worlds reset and stepped together. Every environment is a view of it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium.utils import seeding
+
+from coopenv import frames
+from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
+from coopenv.config import ACTIONS, TransportConfig
+from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.info import Info, replaced, start_info, step_info, with_worlds
+from coopenv.observation import Observation
+from coopenv.rewards import find_reward
+from coopenv.transition import State, Team, Transition
+from coopenv.world import World
+from coopenv.wrench.grasp import sum_at_centre
+
+Seed = int | Sequence[int | None] | None
+
+
+class Transport:
+    """A batch of worlds in which a team carries an object; numpy in and out, no autoreset.
+
+    Parameters
+    ----------
+    num_worlds
+        Worlds stepped together.
+    config
+        What they are; instead of it, any field of `TransportConfig` as a keyword.
+
+    Attributes
+    ----------
+    config, world, observation
+        The description, the physics, the observation layout.
+    dt, substeps, horizon, num_worlds, num_agents, action_size
+        Read from the configuration.
+    transition
+        The last step, or the start; ``None`` before the first reset.
+    generators
+        One `numpy.random.Generator` a world, going on from episode to episode.
+
+    Examples
+    --------
+    >>> core = Transport(num_worlds=256)
+    >>> obs, info = core.reset(seed=0)
+    >>> obs.shape
+    (256, 2, 22)
+    >>> action = np.zeros((256, 2, 3))
+    >>> obs, reward, terminated, truncated, info = core.step(action)
+    >>> reward.shape, terminated.shape
+    ((256, 2), (256,))
+    """
+
+    def __init__(
+        self, *, num_worlds: int = 1, config: TransportConfig | None = None, **keywords: Any
+    ):
+        if config is not None and keywords:
+            raise InvalidInput(
+                f"config must come alone, got also {sorted(keywords)}; "
+                "change it with dataclasses.replace"
+            )
+        self.config = config if config is not None else TransportConfig.parse(keywords)
+        self.num_worlds = whole(num_worlds, "num_worlds", at_least=1)
+        self.num_agents = self.config.num_agents
+        self.action_size = ACTIONS[self.config.action]
+        self.dt, self.substeps = self.config.dt, self.config.substeps
+        self.horizon = self.config.horizon
+        self.reward = find_reward(self.config.reward)
+        self.observation = Observation(self.config.observe, self.num_agents)
+        self.bodies = self.config.bodies(self.num_worlds)
+        self.scenes = self.config.scenes(self.num_worlds)
+        self.world = World(self.bodies, self.scenes, dt=self.dt, substeps=self.substeps)
+        limits = np.repeat(self.config.limits()[None], self.num_worlds, axis=0)
+        grips = np.array([body.grips for body in self.bodies])
+        self.team = Team.build(grips, limits, self.config.decomposition)
+        self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
+        self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
+        self.transition: Transition | None = None
+        self._steps = np.zeros(self.num_worlds, dtype=np.int64)
+        self._ended = np.ones(self.num_worlds, dtype=np.bool_)
+        self._obs = np.zeros((0,), dtype=np.float32)
+        self._info: Info = {}
+
+    def reset(
+        self,
+        *,
+        seed: Seed = None,
+        mask: BoolArray | None = None,
+        pose: npt.ArrayLike | None = None,
+        goal: npt.ArrayLike | None = None,
+    ) -> tuple[npt.NDArray[np.float32], Info]:
+        """Start a new episode in every world, or in those that ``mask`` marks.
+
+        Parameters
+        ----------
+        seed
+            World k is seeded with ``seed + k``; a sequence gives each world its own. ``None``
+            lets the generators go on (the first time, they start from the system's entropy).
+        mask
+            ``(world,)`` bool.
+        pose, goal
+            ``(3,)`` or ``(world, 3)``: start or goal instead of the drawn ones; world frame.
+
+        Returns
+        -------
+        Observations ``(world, agent, feature)`` and infos of all worlds, as after a step.
+
+        Raises
+        ------
+        InvalidInput
+            If an argument has the wrong shape, or a world is left that never started.
+        """
+        worlds = self._marked(mask)
+        pose, goal = self._given(pose, "pose"), self._given(goal, "goal")
+        self._seed(seed, worlds)
+        drawn = np.array([self._sample(k) for k in worlds.tolist()])  # (reset world, 2, 3)
+        drawn = drawn.reshape(-1, 2, 3)
+        start = self._start(
+            worlds,
+            drawn[:, 0] if pose is None else pose[worlds],
+            drawn[:, 1] if goal is None else goal[worlds],
+        )
+        obs, info = self.observation(start), start_info(start, tuple(self.reward))
+        if self.transition is None or len(worlds) == self.num_worlds:
+            self.transition = start
+        else:
+            self.transition = self.transition.with_worlds(worlds, start)
+            obs, info = replaced(self._obs, worlds, obs), with_worlds(self._info, worlds, info)
+        self._obs, self._info = obs, info
+        return obs.copy(), dict(info)
+
+    def step(
+        self, action: npt.ArrayLike, *, restart: BoolArray | None = None
+    ) -> tuple[npt.NDArray[np.float32], FloatArray, BoolArray, BoolArray, Info]:
+        """Advance every world by one control step.
+
+        Parameters
+        ----------
+        action
+            ``(world, agent, action_size)``, agent frame; clipped to [−1, 1].
+        restart
+            ``(world,)`` bool: worlds that begin a new episode in this step. Their action is
+            ignored, their reward is zero and their observation is the first of the episode.
+
+        Returns
+        -------
+        Observations ``(world, agent, feature)``, rewards ``(world, agent)``, terminated and
+        truncated ``(world,)``, infos. A world that ended has to be reset before the next step.
+
+        Raises
+        ------
+        InvalidInput
+            If the action has the wrong shape or is not finite; nothing has moved then.
+        ResetNeeded
+            If a world has ended, or never started.
+        """
+        ended = self._ended if restart is None else self._ended & ~restart
+        if self.transition is None or ended.any():
+            raise ResetNeeded(self._why_reset(ended))
+        clipped, applied = self._applied(action)
+        state = self.transition.next_state
+        self.world.step(sum_at_centre(applied, self.team.grips))
+        self._steps = self._steps + 1
+        next_state = self._state(state.goal)
+        success = self.config.task.success(next_state.pose, next_state.twist, next_state.goal)
+        truncated = (self._steps >= self.horizon) & ~success
+        self._ended = success | truncated
+        self.transition = transition = Transition(
+            state=state,
+            next_state=next_state,
+            team=self.team,
+            action=clipped,
+            previous_action=self.transition.action,
+            applied=applied,
+            contact_impulse=self.world.contact_impulse,
+            success=success,
+            terminated=success.copy(),
+            truncated=truncated,
+            dt=self.dt,
+            horizon=self.horizon,
+        )
+        reward, parts = self.reward(transition)
+        self._obs = self.observation(transition)
+        self._info = step_info(transition, parts)
+        terminated, truncated = success.copy(), truncated.copy()
+        if restart is None or not restart.any():
+            return self._obs.copy(), reward, terminated, truncated, dict(self._info)
+        obs, info = self.reset(mask=restart)
+        reward[restart], terminated[restart], truncated[restart] = 0, False, False
+        return obs, reward, terminated, truncated, info
+
+    def _applied(self, action: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Clipped actions, and the wrenches in the object frame that they stand for."""
+        wanted = (self.num_worlds, self.num_agents, self.action_size)
+        try:
+            given = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):
+            given = finite_array(action, "action")
+        if given.shape != wanted:
+            raise InvalidInput(
+                f"action must have shape (world, agent, {self.action_size}) = {wanted}, "
+                f"got {given.shape}; stack one row an agent"
+            )
+        clipped, applied, finite = frames.wrenches_from_actions(
+            given, self.team.frame, self.team.limits
+        )
+        if not finite:
+            finite_array(given, "action")  # raises, naming the place
+        return clipped, applied
+
+    def _state(self, goal: FloatArray) -> State:
+        pose = frames.wrap_pose(self.world.pose)
+        return State(
+            pose=pose,
+            twist=self.world.twist.copy(),
+            goal=goal,
+            distance=self.config.task.distance(pose, goal),
+            time=self._steps.astype(np.float64) * self.dt,
+        )
+
+    def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
+        """Put ``worlds`` at the start of an episode; the transition that led to nothing yet."""
+        count = len(worlds)
+        self.world.place(worlds, pose)
+        self._steps = self._steps.copy()
+        self._steps[worlds], self._ended[worlds] = 0, False
+        pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
+        state = State(
+            pose=pose,
+            twist=np.zeros((count, 3)),
+            goal=goal,
+            distance=self.config.task.distance(pose, goal),
+            time=np.zeros(count),
+        )
+        action = np.zeros((count, self.num_agents, self.action_size))
+        no = np.zeros(count, dtype=np.bool_)
+        return Transition(
+            state=state,
+            next_state=state,
+            team=self.team if count == self.num_worlds else self.team.take(worlds),
+            action=action,
+            previous_action=action,
+            applied=np.zeros((count, self.num_agents, 3)),
+            contact_impulse=np.zeros(count),
+            success=no,
+            terminated=no,
+            truncated=no,
+            dt=self.dt,
+            horizon=self.horizon,
+        )
+
+    def _sample(self, k: int) -> tuple[Any, Any]:
+        generator = self.generators[k]
+        assert generator is not None
+        return self.config.task.sample(generator, self.bodies[k], self.scenes[k])
+
+    def _seed(self, seed: Seed, worlds: IntArray) -> None:
+        if isinstance(seed, Sequence | np.ndarray) and len(seed) != self.num_worlds:
+            raise InvalidInput(
+                f"seed must be one number or one for each of {self.num_worlds} worlds, "
+                f"got {len(seed)}; world k of seed=s is seeded with s + k"
+            )
+        for k in worlds.tolist():
+            if isinstance(seed, Sequence | np.ndarray):
+                own = seed[k]
+            else:
+                own = None if seed is None else seed + k
+            if own is not None:
+                own = whole(own, "seed", at_least=0)
+            if own is not None or self.generators[k] is None:
+                self.generators[k] = seeding.np_random(own)[0]
+
+    def _marked(self, mask: BoolArray | None) -> IntArray:
+        if mask is None:
+            return np.arange(self.num_worlds)
+        marked = np.asarray(mask)
+        if marked.dtype != np.bool_ or marked.shape != (self.num_worlds,):
+            raise InvalidInput(
+                f"mask must be {self.num_worlds} booleans, got {marked.dtype} of shape "
+                f"{marked.shape}; pass for example terminated | truncated"
+            )
+        if self.transition is None and not marked.all():
+            raise InvalidInput(
+                f"mask must mark every world before the first step, got {marked.sum()} of "
+                f"{self.num_worlds}; call reset() once without it"
+            )
+        return np.flatnonzero(marked)
+
+    def _given(self, pose: npt.ArrayLike | None, name: str) -> FloatArray | None:
+        if pose is None:
+            return None
+        given = finite_array(pose, name)
+        if given.shape not in ((3,), (self.num_worlds, 3)):
+            raise InvalidInput(
+                f"{name} must have shape (3,) or ({self.num_worlds}, 3), got {given.shape}; "
+                "give x, y [m] and θ [rad]"
+            )
+        return np.broadcast_to(given, (self.num_worlds, 3)).copy()
+
+    def _why_reset(self, still: BoolArray) -> str:
+        if self.transition is None:
+            return "reset must be called before the first step, got a step; call reset()"
+        ended = np.flatnonzero(still)
+        return (
+            f"worlds whose episode has ended must be reset before the next step, got a step with "
+            f"{len(ended)} ended (the first: {ended[0]}); call reset(mask=terminated | truncated)"
+        )

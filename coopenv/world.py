@@ -1,0 +1,194 @@
+"""Many copies of a body in a room, stepped together in pymunk. The only file that imports it.
+
+`pymunk.batch` is marked experimental upstream; everything used of it is in `_Shard`.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pymunk
+import pymunk.batch as batch
+
+from coopenv import motion
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.body import Body
+from coopenv.scene import WALL_THICKNESS, Scene
+
+SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
+SOLVER_ITERATIONS = 10
+COLLISION_SLOP = 1e-3  # [m] overlap left alone; pymunk's default of 0.1 is meant for pixels
+
+_REPORT = (
+    batch.BodyFields.POSITION
+    | batch.BodyFields.ANGLE
+    | batch.BodyFields.VELOCITY
+    | batch.BodyFields.ANGULAR_VELOCITY
+)
+_COMMAND = (
+    batch.BodyFields.VELOCITY
+    | batch.BodyFields.ANGULAR_VELOCITY
+    | batch.BodyFields.FORCE
+    | batch.BodyFields.TORQUE
+)
+
+
+class World:
+    """``len(bodies)`` worlds, each with its own body and scene, none touching another.
+
+    Parameters
+    ----------
+    bodies, scenes
+        One entry a world.
+    dt
+        Control step [s].
+    substeps
+        Physics steps in a control step.
+
+    Attributes
+    ----------
+    pose, twist
+        ``(world, 3)``: (x, y, θ) [m, rad], not wrapped, and its rate; world frame.
+    contact_impulse
+        ``(world,)`` [N·s] what walls and obstacles gave the body during the last `step`; see
+        `coopenv.motion.collect`.
+    """
+
+    def __init__(
+        self, bodies: Sequence[Body], scenes: Sequence[Scene], *, dt: float, substeps: int
+    ):
+        self.bodies, self.scenes = tuple(bodies), tuple(scenes)
+        self.num_worlds = len(self.bodies)
+        self.substeps, self.substep = substeps, dt / substeps
+        self.pose = np.zeros((self.num_worlds, 3))
+        self.twist = np.zeros((self.num_worlds, 3))
+        self.contact_impulse = np.zeros(self.num_worlds)
+        self._reach = np.array([body.reach for body in self.bodies])
+        self._table = motion.coefficients(
+            np.array([body.mass for body in self.bodies]),
+            np.array([body.inertia for body in self.bodies]),
+            np.array([body.linear_drag for body in self.bodies]),
+            np.array([body.angular_drag for body in self.bodies]),
+            self.substep,
+        )
+        self._shards = [
+            _Shard(self.bodies[start : start + SHARD_SIZE], self.scenes[start : start + SHARD_SIZE])
+            for start in range(0, self.num_worlds, SHARD_SIZE)
+        ]
+
+    def place(self, worlds: IntArray, pose: FloatArray) -> None:
+        """Put the bodies of ``worlds`` at ``pose`` ``(len(worlds), 3)``, at rest and untouched."""
+        self.pose, self.twist = self.pose.copy(), self.twist.copy()
+        self.contact_impulse = self.contact_impulse.copy()
+        self.pose[worlds], self.twist[worlds], self.contact_impulse[worlds] = pose, 0, 0
+        for number, shard in enumerate(self._shards):
+            inside = worlds // SHARD_SIZE == number
+            if inside.any():
+                shard.place(worlds[inside] - number * SHARD_SIZE, pose[inside])
+
+    def step(self, wrench: FloatArray) -> None:
+        """Advance one control step under ``wrench`` ``(world, 3)`` [N, N·m], held in object frame.
+
+        `pose`, `twist` and `contact_impulse` become fresh arrays; the old ones stay as they were.
+        """
+        before = self.pose, self.twist
+        self.pose, self.twist = np.empty_like(self.pose), np.empty_like(self.twist)
+        self.contact_impulse = np.zeros(self.num_worlds)
+        for number, shard in enumerate(self._shards):
+            part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)
+            table, reach, held = self._table[part], self._reach[part], wrench[part]
+            reached = self.pose[part], self.twist[part], self.contact_impulse[part]
+            pose, twist = before[0][part], before[1][part]
+            for _ in range(self.substeps):
+                shard.step(table, reach, pose, twist, held, self.substep, reached)
+                pose, twist = reached[:2]
+
+
+class _Shard:
+    """Worlds far apart on a grid in one pymunk space."""
+
+    def __init__(self, bodies: Sequence[Body], scenes: Sequence[Scene]):
+        self._bodies = bodies
+        self._space = pymunk.Space()
+        self._space.iterations = SOLVER_ITERATIONS
+        self._space.collision_slop = COLLISION_SLOP
+        self._origin = _grid(bodies, scenes)
+        for scene, origin in zip(scenes, self._origin, strict=True):
+            for solid in scene.solids():
+                wall = pymunk.Poly(self._space.static_body, (solid + origin).tolist())
+                wall.friction = scene.friction
+                self._space.add(wall)
+        self._ids = np.zeros(len(bodies), dtype=np.int64)
+        self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
+        self._expected = np.zeros((len(bodies), 3))
+        self._command, self._commands = _buffer(len(bodies))
+        self._report, self._reports = _buffer(len(bodies))
+        self._names = batch.Buffer()
+        self._rows = self._find_rows()
+
+    def place(self, worlds: IntArray, pose: FloatArray) -> None:
+        # A new body as well as a new shape: the correction velocity of the last contact stays
+        # with the body, the impulses that warm-start the next one with the shape.
+        position = (pose[:, :2] + self._origin[worlds]).tolist()
+        for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
+            old = self._shapes[k]
+            assert old.body is not None
+            self._space.remove(old, old.body)
+            self._shapes[k] = self._add(k, x, y, angle)
+        self._rows = self._find_rows()
+
+    def step(
+        self,
+        table: FloatArray,
+        reach: FloatArray,
+        pose: FloatArray,
+        twist: FloatArray,
+        wrench: FloatArray,
+        substep: float,
+        reached: tuple[FloatArray, FloatArray, FloatArray],
+    ) -> None:
+        """One substep from ``pose`` and ``twist``; writes pose, twist, impulse into ``reached``."""
+        rows, expected = self._rows, self._expected
+        motion.drive(rows, table, pose, twist, wrench, substep, self._command, expected)
+        batch.set_space_bodies(self._space, _COMMAND, self._commands)
+        self._space.step(substep)
+        self._reports.clear()
+        batch.get_space_bodies(self._space, _REPORT, self._reports)
+        motion.collect(rows, table, reach, self._origin, self._report, expected, *reached)
+
+    def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
+        body = pymunk.Body(self._bodies[k].mass, self._bodies[k].inertia or 0.0)
+        body.position, body.angle = (x, y), angle
+        shape = pymunk.Poly(body, self._bodies[k].outline)
+        shape.friction = self._bodies[k].friction
+        self._space.add(body, shape)
+        self._ids[k] = body.id
+        return shape
+
+    def _find_rows(self) -> IntArray:
+        """The row of each world in pymunk's order, which changes when a body is replaced."""
+        self._names.clear()
+        batch.get_space_bodies(self._space, batch.BodyFields.BODY_ID, self._names)
+        listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
+        order = np.argsort(listed)
+        return order[np.searchsorted(listed, self._ids, sorter=order)]
+
+
+def _buffer(num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
+    """An array of six columns that pymunk reads and writes in place.
+
+    The static body takes a row after the others. One more stays empty: pymunk reallocates a
+    buffer as soon as it is full, and this memory is NumPy's.
+    """
+    array = np.zeros((num_bodies + 2, 6))
+    buffer = batch.Buffer()
+    buffer.set_float_buf(array)
+    return array, buffer
+
+
+def _grid(bodies: Sequence[Body], scenes: Sequence[Scene]) -> FloatArray:
+    """Centres of the worlds ``(world, 2)`` [m], too far apart for anything to reach over."""
+    widest = max(max(scene.size) for scene in scenes)
+    pitch = widest + 2 * WALL_THICKNESS + 2 * max(body.reach for body in bodies)
+    columns = int(np.ceil(np.sqrt(len(bodies))))
+    index = np.arange(len(bodies))
+    return pitch * np.stack([index % columns, index // columns], axis=-1).astype(np.float64)

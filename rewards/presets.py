@@ -1,0 +1,67 @@
+"""Ready-made sums, and the one place that turns a ``reward=`` keyword into a sum."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from coopenv.errors import InvalidInput, UnknownName
+
+from .shaping import Progress
+from .sums import RewardSum
+from .terms import (
+    ActionRate,
+    Contact,
+    Effort,
+    InternalForce,
+    InternalTorque,
+    RelativeCost,
+    Success,
+    TimeCost,
+)
+
+_TASK = {"progress": Progress(), "success": Success(), "time": TimeCost()}
+
+PRESETS: dict[str, RewardSum] = {
+    # only the bonus and the clock: for exploration studies
+    "sparse": RewardSum({"success": Success(), "time": TimeCost()}),
+    # get it there
+    "task": RewardSum(_TASK),
+    # get it there without fighting the partner
+    "harmony": RewardSum({**_TASK, "relative_cost": RelativeCost(weight=0.2)}),
+    # get it there gently: no squeezing, no waste, no jerks, no knocks
+    "balanced": RewardSum(
+        {
+            **_TASK,
+            "internal_force": InternalForce(),
+            "internal_torque": InternalTorque(),
+            "effort": Effort(),
+            "action_rate": ActionRate(),
+            "contact": Contact(),
+        }
+    ),
+}
+
+
+def find_reward(reward: Any) -> RewardSum:
+    """A preset by name, a mapping of named terms, or a single term, as a `RewardSum`.
+
+    Raises
+    ------
+    UnknownName
+        For a preset that does not exist.
+    InvalidInput
+        For anything else that is not a reward.
+    """
+    if isinstance(reward, RewardSum):
+        return reward
+    if isinstance(reward, str):
+        if reward not in PRESETS:
+            raise UnknownName("reward", reward, PRESETS)
+        return PRESETS[reward]
+    if isinstance(reward, Mapping):
+        return RewardSum(reward)
+    if callable(reward) and not isinstance(reward, type):
+        return RewardSum({getattr(reward, "__name__", type(reward).__name__): reward})
+    raise InvalidInput(
+        f"reward must be a preset name, a RewardSum or a term, got {reward!r}; "
+        f"presets: {', '.join(PRESETS)}"
+    )

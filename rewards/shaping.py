@@ -1,0 +1,58 @@
+"""Potential-based shaping (Ng, Harada & Russell 1999): guidance that cannot be farmed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, positive
+from coopenv.errors import InvalidInput
+from coopenv.transition import State, Transition
+
+Potential: TypeAlias = Callable[[State], FloatArray]  # -> (world,)
+
+
+def closeness(state: State) -> FloatArray:
+    """Minus the task's distance to the goal, ``(world,)`` [m]."""
+    return -state.distance
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PotentialShaping:
+    """Reward for climbing a potential: r = weight · (discount · Φ(s') − Φ(s)).
+
+    Φ(s') counts as 0 where the episode terminated, so that with the trainer's own discount no
+    policy changes its rank. Truncation does not end the task: there Φ(s') counts in full.
+
+    With ``discount`` < 1 and a negative potential, standing still earns (1 − discount) · |Φ| a
+    step; with 1 it earns nothing.
+    """
+
+    potential: Potential
+    discount: float  # the trainer's
+    weight: float = 1.0  # [reward / unit of the potential]
+
+    def __post_init__(self) -> None:
+        if not 0 < positive(self.discount, "discount") <= 1:
+            raise InvalidInput(
+                f"discount must be in (0, 1], got {self.discount!r}; give the trainer's own"
+            )
+
+    def __call__(self, transition: Transition) -> FloatArray:
+        """Reward ``(world, agent)``, the same for every agent."""
+        before = self.potential(transition.state)
+        after = self.discount * self.potential(transition.next_state)
+        after = np.where(transition.terminated, 0.0, after)
+        return transition.per_agent(self.weight * (after - before))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress(PotentialShaping):
+    """Reward for every metre nearer to the goal, in the task's distance.
+
+    The default discount of 1 pays plain differences of distance: hovering earns nothing.
+    """
+
+    potential: Potential = closeness
+    discount: float = 1.0

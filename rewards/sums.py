@@ -1,0 +1,102 @@
+"""A weighted sum of named terms that reports its parts."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from coopenv.arrays import FloatArray
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.transition import Transition
+
+
+class Term(Protocol):
+    """Pure and stateless: a transition in, one reward for each agent of each world out."""
+
+    def __call__(self, transition: Transition) -> FloatArray:
+        """Reward ``(world, agent)``."""
+        ...
+
+
+class RewardSum(Mapping[str, Term]):
+    """Named terms; calling it returns the total and every part, each evaluated once.
+
+    The sum is never clipped.
+
+    Parameters
+    ----------
+    terms
+        Name → term. The names become the keys of ``info["reward_terms"]``.
+
+    Raises
+    ------
+    InvalidInput
+        If a name is not a string or a term cannot be called.
+    """
+
+    def __init__(self, terms: Mapping[str, Term]):
+        for name, term in terms.items():
+            if not isinstance(name, str) or not callable(term):
+                raise InvalidInput(
+                    f"reward must map names to callable terms, got {name!r}: {term!r}; "
+                    "build it from coopenv.rewards, or name a preset (only presets survive JSON)"
+                )
+        self._terms = dict(terms)
+
+    def __call__(self, transition: Transition) -> tuple[FloatArray, dict[str, FloatArray]]:
+        """Total ``(world, agent)`` and its parts by name."""
+        parts = {name: term(transition) for name, term in self._terms.items()}
+        total = np.zeros(transition.applied.shape[:2])
+        for part in parts.values():
+            total += part
+        return total, parts
+
+    def __getitem__(self, name: str) -> Term:
+        return self._terms[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._terms)
+
+    def __len__(self) -> int:
+        return len(self._terms)
+
+    def __repr__(self) -> str:
+        return f"RewardSum({self._terms!r})"
+
+    def with_weights(self, **weights: float) -> "RewardSum":
+        """The same terms under other weights, by name; a term that is not there raises."""
+        terms = dict(self._terms)
+        for name, weight in weights.items():
+            if name not in terms:
+                raise UnknownName("reward term", name, terms)
+            terms[name] = replace(terms[name], weight=weight)  # pyright: ignore[reportArgumentType, reportCallIssue]
+        return RewardSum(terms)
+
+
+def recompute(
+    reward: RewardSum, transitions: Iterable[Transition]
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Rewards of logged transitions, under any sum of terms; nothing is simulated again.
+
+    Parameters
+    ----------
+    reward
+        For example ``PRESETS["harmony"].with_weights(relative_cost=1.0)``.
+    transitions
+        One a step, as ``core.transition`` had them (they can be pickled).
+
+    Returns
+    -------
+    Total ``(step, world, agent)`` and its parts by name, of the same shape.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no transition.
+    """
+    steps = [reward(transition) for transition in transitions]
+    if not steps:
+        raise InvalidInput("transitions must hold at least one step, got none; log some first")
+    total = np.stack([step_total for step_total, _ in steps])
+    return total, {name: np.stack([parts[name] for _, parts in steps]) for name in reward}
