@@ -1,0 +1,27 @@
+"""The physically plausible wrench decomposition: arrays in, arrays out."""
+
+from coopenv.wrench.decomposition import Decomposer, Decomposition, Residuals, decompose
+from coopenv.wrench.grasp import grasp_matrix, induced_torque, object_wrench
+from coopenv.wrench.measures import EnergyShare, LoadShare, energy_share, load_share
+from coopenv.wrench.methods import METHODS
+from coopenv.wrench.optimal import SOLVERS
+from coopenv.wrench.pseudoinverse import allocate
+from coopenv.wrench.settings import Settings
+
+__all__ = [
+    "METHODS",
+    "SOLVERS",
+    "Decomposer",
+    "Decomposition",
+    "EnergyShare",
+    "LoadShare",
+    "Residuals",
+    "Settings",
+    "allocate",
+    "decompose",
+    "energy_share",
+    "grasp_matrix",
+    "induced_torque",
+    "load_share",
+    "object_wrench",
+]

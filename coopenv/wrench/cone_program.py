@@ -1,0 +1,102 @@
+"""A cone program assembled piece by piece: min qᵀx subject to b − A x in a product of cones."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import clarabel
+import numpy as np
+from scipy import sparse
+
+from coopenv.arrays import FloatArray
+
+
+class Affine(NamedTuple):
+    """A vector of the program, ``block @ x[columns] + offset``."""
+
+    columns: list[int]
+    block: FloatArray  # (d, len(columns))
+    offset: FloatArray  # (d,)
+
+    def mapped(self, matrix: FloatArray) -> "Affine":
+        """Return ``matrix`` times this vector."""
+        return Affine(self.columns, matrix @ self.block, matrix @ self.offset)
+
+    def value(self, x: FloatArray) -> FloatArray:
+        """Return the vector at a solution."""
+        return self.block @ x[self.columns] + self.offset
+
+
+class ConeProgram:
+    """Collects variables, costs and constraints on affine vectors."""
+
+    def __init__(self):
+        self._cost: list[float] = []
+        self._cones: list[Any] = []
+        self._right: list[FloatArray] = []
+        self._rows: list[Any] = []
+        self._columns: list[Any] = []
+        self._entries: list[FloatArray] = []
+        self._num_rows = 0
+
+    def variables(self, count: int, cost: float = 0.0) -> list[int]:
+        """Add ``count`` variables of the same cost; return their columns."""
+        first = len(self._cost)
+        self._cost += [cost] * count
+        return list(range(first, first + count))
+
+    def zero(self, *vectors: Affine) -> None:
+        """Require that the vectors sum to 0."""
+        size = len(vectors[0].offset)
+        for vector in vectors:
+            self._place(vector.columns, -vector.block)
+        self._close(clarabel.ZeroConeT, size, sum(vector.offset for vector in vectors))
+
+    def between(self, scalar: Affine, bound: float) -> None:
+        """Require that a vector of length 1 lies between 0 and ``bound``."""
+        sign = np.array([[1.0], [-1.0]]) * np.sign(bound)
+        self._place(scalar.columns, -sign @ scalar.block)
+        right = sign @ scalar.offset + np.array([0.0, abs(bound)])
+        self._close(clarabel.NonnegativeConeT, 2, right)
+
+    def ball(self, vector: Affine, centre: FloatArray, radius: float) -> None:
+        """Require ‖vector − centre‖ ≤ radius."""
+        size = len(vector.offset)
+        self._place(vector.columns, -np.vstack([np.zeros(len(vector.columns)), vector.block]))
+        right = np.concatenate([[radius], vector.offset - centre])
+        self._close(clarabel.SecondOrderConeT, size + 1, right)
+
+    def norm(self, vector: Affine, cost: float) -> None:
+        """Add ``cost`` times ‖vector‖ to the objective."""
+        (epigraph,) = self.variables(1, cost)
+        size = len(vector.offset)
+        block = np.zeros((size + 1, len(vector.columns) + 1))
+        block[0, -1] = 1.0
+        block[1:, :-1] = vector.block
+        self._place([*vector.columns, epigraph], -block)
+        right = np.concatenate([[0.0], vector.offset])
+        self._close(clarabel.SecondOrderConeT, size + 1, right)
+
+    def absolute(self, scalar: Affine, sign: float, cost: float) -> None:
+        """Add ``cost`` times |scalar| to the objective, for a scalar whose sign is known."""
+        for column, factor in zip(scalar.columns, scalar.block[0], strict=True):
+            self._cost[column] += cost * sign * factor
+
+    def solve(self, settings: Any) -> Any:
+        """Run Clarabel and return its solution."""
+        shape = (self._num_rows, len(self._cost))
+        indices = (np.concatenate(self._rows), np.concatenate(self._columns))
+        matrix = sparse.csc_matrix((np.concatenate(self._entries), indices), shape)
+        nothing = sparse.csc_matrix((shape[1], shape[1]))
+        cost, right = np.array(self._cost), np.concatenate(self._right)
+        return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
+
+    def _place(self, columns: list[int], block: FloatArray) -> None:
+        rows = np.arange(self._num_rows, self._num_rows + len(block))
+        self._rows.append(np.repeat(rows, len(columns)))
+        self._columns.append(np.tile(np.array(columns, dtype=np.int64), len(block)))
+        self._entries.append(block.ravel())
+
+    def _close(self, cone: Callable[[int], Any], size: int, right: Any) -> None:
+        self._cones.append(cone(size))
+        self._right.append(np.asarray(right, dtype=np.float64))
+        self._num_rows += size

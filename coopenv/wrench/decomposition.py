@@ -1,0 +1,259 @@
+"""Decompose applied wrenches into what moves the object and what only stresses it."""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from coopenv.arrays import FloatArray, finite_array
+from coopenv.wrench import measures
+from coopenv.wrench.grasp import (
+    checked_grips,
+    moment,
+    require_wrench_per_grip,
+    sum_at_centre,
+)
+from coopenv.wrench.measures import EnergyShare, Levels, LoadShare
+from coopenv.wrench.methods import METHODS
+from coopenv.wrench.settings import Settings
+
+
+def decompose(
+    applied: npt.ArrayLike,
+    grips: npt.ArrayLike,
+    *,
+    method: str = "optimal",
+    solver: str = "auto",
+    torque_weight: float = 0.5,
+    include_induced: bool = False,
+    virtual_masses: npt.ArrayLike | None = None,
+    virtual_inertias: npt.ArrayLike | None = None,
+) -> "Decomposition":
+    """Split applied wrenches into manipulation and internal wrenches, h = h_M + h_I (eq. 5).
+
+    Parameters
+    ----------
+    applied
+        ``(..., n, 3)`` planar [fx, fy, tz] or ``(..., n, 6)`` spatial [f, t], object frame
+        [N, N·m].
+    grips
+        ``(..., n, 2)`` or ``(..., n, 3)``, broadcast against it, object frame [m].
+    method, solver, torque_weight, include_induced, virtual_masses, virtual_inertias
+        See `Settings`.
+
+    Returns
+    -------
+    A `Decomposition` of the batch shape of ``applied`` and ``grips`` together.
+
+    Raises
+    ------
+    UnknownName
+        If the method or the solver does not exist.
+    InvalidInput
+        If a shape or a number is wrong, or method, solver and grips do not go together.
+    SolverError
+        If ``solver="conic"`` stops without an answer it can vouch for.
+    """
+    settings = Settings(
+        method=method,
+        solver=solver,
+        torque_weight=torque_weight,
+        include_induced=include_induced,
+        virtual_masses=virtual_masses,  # pyright: ignore[reportArgumentType]  # made a tuple there
+        virtual_inertias=virtual_inertias,  # pyright: ignore[reportArgumentType]
+    )
+    return Decomposer(grips, settings)(finite_array(applied, "applied"))
+
+
+class Decomposer:
+    """Grips and settings checked once, then called on applied wrenches as often as you like.
+
+    Parameters
+    ----------
+    grips
+        ``(..., n, 2)`` planar or ``(..., n, 3)`` spatial, object frame [m]; with a batch shape, one
+        set per sample.
+    settings
+        Which definition of internal wrench, which cost, which solver.
+
+    Raises
+    ------
+    InvalidInput
+        If the grips have a wrong shape or number or do not go with method or solver.
+    """
+
+    __slots__ = ("_level_parameters", "_solve", "grips", "settings", "solver")
+
+    def __init__(self, grips: npt.ArrayLike, settings: Settings | None = None):
+        settings = Settings() if settings is None else settings
+        self.grips = checked_grips(grips).copy()
+        self.grips.flags.writeable = False
+        self.settings = settings
+        self.solver, self._solve = METHODS[settings.method](self.grips, settings)
+        self._level_parameters = measures.level_parameters(
+            settings.torque_weight, settings.include_induced, settings.plausible
+        )
+
+    def __call__(self, applied: FloatArray) -> "Decomposition":
+        """Decompose wrenches whose numbers were checked before.
+
+        Parameters
+        ----------
+        applied
+            float64 ``(..., n, 3)`` or ``(..., n, 6)``, finite [N, N·m]. Only its shape is checked.
+            Kept, not copied.
+
+        Raises
+        ------
+        InvalidInput
+            If the shape does not go with the grips.
+        """
+        require_wrench_per_grip(applied, self.grips)
+        manipulation, gap = self._solve(applied)
+        if manipulation.shape != applied.shape:
+            applied = np.broadcast_to(applied, manipulation.shape)
+        return Decomposition(applied, manipulation, gap, self)
+
+
+class Residuals(NamedTuple):
+    """By how much a decomposition breaks its constraints, per sample ``(...)``; 0 is perfect."""
+
+    balance: FloatArray  # largest component of |G h_M − G h| [N or N·m]
+    force: FloatArray  # largest excess of a force over its ball (19) [N]
+    induced_torque: FloatArray  # of an induced torque (20) [N·m]
+    torque: FloatArray  # of a pure torque (21) [N·m]
+
+
+class Decomposition:
+    """Applied wrenches and their split; everything beyond the split is computed when asked for.
+
+    Attributes
+    ----------
+    applied, manipulation
+        h and h_M, ``(..., n, 3)`` or ``(..., n, 6)`` [N, N·m].
+    grips
+        As given to the `Decomposer` [m].
+    settings
+        As given to the `Decomposer`.
+    solver
+        Name of the solver that answered, ``"closed_form"`` where there is none.
+    """
+
+    def __init__(
+        self,
+        applied: FloatArray,
+        manipulation: FloatArray,
+        gap: FloatArray | None,
+        decomposer: Decomposer,
+    ):
+        self.applied = applied
+        self.manipulation = manipulation
+        self._gap = gap
+        self._decomposer = decomposer
+
+    @property
+    def grips(self) -> FloatArray:
+        """Where the effectors hold, ``(..., n, 2)`` or ``(..., n, 3)`` [m]."""
+        return self._decomposer.grips
+
+    @property
+    def settings(self) -> Settings:
+        """Method, cost and solver that were asked for."""
+        return self._decomposer.settings
+
+    @property
+    def solver(self) -> str:
+        """Name of the solver that answered; ``"closed_form"`` where none was needed."""
+        return self._decomposer.solver
+
+    @cached_property
+    def gap(self) -> FloatArray:
+        """Bound ``(...)`` on how much the cost exceeds the optimum [N]; 0 for closed forms."""
+        return np.zeros(self.applied.shape[:-2]) if self._gap is None else self._gap
+
+    @cached_property
+    def internal(self) -> FloatArray:
+        """h_I = h − h_M, of the shape of ``applied`` [N, N·m]."""
+        return self.applied - self.manipulation
+
+    @cached_property
+    def object_wrench(self) -> FloatArray:
+        """h_o = G h, ``(..., 3)`` or ``(..., 6)`` [N, N·m] (eq. 1)."""
+        return sum_at_centre(self.applied, self.grips)
+
+    @cached_property
+    def _levels(self) -> Levels:
+        decomposer = self._decomposer
+        return measures.levels(
+            self.applied, self.manipulation, decomposer.grips, decomposer._level_parameters
+        )
+
+    @property
+    def cost(self) -> FloatArray:
+        """J(h_M), ``(...)`` [N, torques per metre] (eq. 17)."""
+        return self._levels.cost
+
+    @property
+    def applied_cost(self) -> FloatArray:
+        """J(h), ``(...)`` [N, torques per metre] (eq. 17)."""
+        return self._levels.applied_cost
+
+    @property
+    def relative_cost(self) -> FloatArray:
+        """Fraction of the applied wrench's cost that was compensated, γ = 1 − J(h_M)/J(h) (eq. 29).
+
+        ``(...)`` in [0, 1] for plausible methods, 0 where no wrench was applied; others may leave
+        the interval.
+        """
+        return self._levels.relative_cost
+
+    @property
+    def internal_force_level(self) -> FloatArray:
+        """F_I = ½ Σ‖f_I,i‖, ``(...)`` [N] (eq. 28).
+
+        As the optimum need not be unique, it can jump where costs tie; γ cannot.
+        """
+        return self._levels.internal_force
+
+    @property
+    def internal_torque_level(self) -> FloatArray:
+        """T_I = ½ Σ‖r_i × f_I,i + t_I,i‖, ``(...)`` [N·m] (eq. 28).
+
+        As the optimum need not be unique, it can jump where costs tie; γ cannot.
+        """
+        return self._levels.internal_torque
+
+    @cached_property
+    def load_share(self) -> LoadShare:
+        """Each effector's share of the resultant; see `coopenv.wrench.load_share`."""
+        return measures.share_of_load(self.applied, self._decomposer.grips)
+
+    def energy_share(self, twist: npt.ArrayLike) -> EnergyShare:
+        """Each effector's share of the object's power; see `coopenv.wrench.energy_share`."""
+        twist = measures.checked_twist(twist, self.applied, self.grips)
+        return measures.share_of_energy(self.applied, self.grips, twist)
+
+    def residuals(self) -> Residuals:
+        """By how much the manipulation wrench breaks balance (18) and the balls (19)-(21).
+
+        The ball form is max(0, ‖x_M − x/2‖ − ‖x‖/2), the largest over the effectors. Methods that
+        are not plausible have large ones; the virtual linkage need not even balance.
+        """
+        dimension = self.grips.shape[-1]
+        balance = sum_at_centre(self.manipulation, self.grips) - self.object_wrench
+        parts = [
+            _ball_excess(part(self.manipulation), part(self.applied))
+            for part in (
+                lambda wrench: wrench[..., :dimension],
+                lambda wrench: moment(self.grips, wrench),
+                lambda wrench: wrench[..., dimension:],
+            )
+        ]
+        return Residuals(np.abs(balance).max(axis=-1), *parts)
+
+
+def _ball_excess(manipulation: FloatArray, applied: FloatArray) -> FloatArray:
+    distance = np.linalg.norm(manipulation - 0.5 * applied, axis=-1)
+    excess = distance - 0.5 * np.linalg.norm(applied, axis=-1)
+    return np.maximum(excess, 0.0).max(axis=-1)
