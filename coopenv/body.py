@@ -44,7 +44,7 @@ class Body:
     mass: float = 7.7  # [kg]
     inertia: float | None = None  # [kg·m²]
     linear_drag: float = 8.0  # [N·s/m]
-    angular_drag: float = 4.0  # [N·m·s]
+    angular_drag: float = 8.0  # [N·m·s]
     outline: Points = ((-1.0, -0.05), (1.0, -0.05), (1.0, 0.05), (-1.0, 0.05))  # [m]
     grips: Points = ((-0.9, 0.0), (0.9, 0.0))  # [m]
     friction: float = 0.3

@@ -58,8 +58,8 @@ class TransportConfig:
     reward: RewardSum | str = "task"
     observe: Sequence[str | Block] = DEFAULT_BLOCKS
     action: str = "wrench"
-    force_limit: float | Sequence[float] = 20.0  # [N]
-    torque_limit: float | Sequence[float] = 10.0  # [N·m]
+    force_limit: float | Sequence[float] = 10.0  # [N]
+    torque_limit: float | Sequence[float] = 5.0  # [N·m]
     horizon: int = 200  # [control steps]
     dt: float = 0.05  # [s]
     substeps: int = 2

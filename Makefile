@@ -1,0 +1,28 @@
+# make train | test | lint | bench: each makes .venv, installs what it needs, and runs.
+PYTHON ?= python3
+BIN := .venv/bin
+ARGS ?=
+
+.PHONY: train test lint bench clean
+
+train: .venv/train
+	$(BIN)/coopenv train $(ARGS)
+
+test: .venv/dev
+	$(BIN)/python -m pytest -n 2 $(ARGS)
+
+lint: .venv/dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+bench: .venv/dev
+	$(BIN)/python -m benchmarks $(ARGS)
+
+.venv/%: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable ".[$(if $(filter dev,$*),dev,train,render)]"
+	touch $@
+
+clean:
+	rm -rf .venv build dist *.egg-info runs
