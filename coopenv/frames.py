@@ -1,4 +1,4 @@
-"""Turning vectors between the object's frame, the agents' and the world's.
+"""Kernels that turn vectors between the object's frame, the agents' and the world's.
 
 An agent's frame has its origin at its grip and x towards the centre of mass (at the centre of
 mass: the object's x). ``frame`` holds the cosine and sine of its angle in the object frame.
@@ -76,56 +76,77 @@ def actions_from_wrenches(applied, frame, limit, width):  # pragma: no cover - c
     return action
 
 
-@njit(cache=True)
-def to_agents(wrench, frame):  # pragma: no cover - compiled
-    """Each agent's own wrench ``(world, agent, 3)`` from the object frame to its own frame."""
-    turned = np.empty(wrench.shape)
-    for k in range(wrench.shape[0]):
-        for i in range(wrench.shape[1]):
-            c, s = frame[k, i, 0], frame[k, i, 1]
-            x, y, torque = wrench[k, i]
-            turned[k, i, 0], turned[k, i, 1], turned[k, i, 2] = c * x + s * y, c * y - s * x, torque
-    return turned
+VIEW_PARTS = (
+    "goal", "twist", "own_wrench", "partner_wrench", "own_internal", "partner_internal",
+    "load_share", "relative_cost",
+)  # fmt: skip
+
+
+def view_slices(num_agents: int) -> dict[str, slice]:
+    """Where `agent_view` writes what."""
+    others = 3 * (num_agents - 1)
+    ends = np.cumsum([4, 3, 3, others, 3, others, 2, 1]).tolist()
+    starts = [0, *ends[:-1]]
+    return {
+        name: slice(start, end) for name, start, end in zip(VIEW_PARTS, starts, ends, strict=True)
+    }
 
 
 @njit(cache=True)
-def others_to_agents(wrench, frame):  # pragma: no cover - compiled
-    """The other agents' wrenches in each agent's frame ``(world, agent, 3·(agents − 1))``."""
-    num_worlds, num_agents, _ = wrench.shape
-    turned = np.empty((num_worlds, num_agents, 3 * (num_agents - 1)))
-    for k in range(num_worlds):
-        for i in range(num_agents):
-            c, s = frame[k, i, 0], frame[k, i, 1]
-            for step in range(1, num_agents):
-                x, y, torque = wrench[k, (i + step) % num_agents]
-                out = turned[k, i, 3 * (step - 1) : 3 * step]
-                out[0], out[1], out[2] = c * x + s * y, c * y - s * x, torque
-    return turned
+def agent_view(
+    pose, twist, goal, frame, applied, internal, force_share, torque_share, relative_cost
+):  # pragma: no cover - compiled
+    """All that is seen of a step from each agent's frame, in one pass.
 
+    Parameters
+    ----------
+    pose, twist, goal
+        ``(world, 3)``, world frame.
+    frame
+        ``(world, agent, 2)``.
+    applied, internal
+        ``(world, agent, 3)``, object frame.
+    force_share, torque_share, relative_cost
+        ``(world, agent)`` twice, ``(world,)``.
 
-@njit(cache=True)
-def rates_to_agents(twist, pose, frame):  # pragma: no cover - compiled
-    """The object's twist ``(world, 3)``, world frame, in each agent's ``(world, agent, 3)``."""
+    Returns
+    -------
+    ``(world, agent, feature)`` float32; `view_slices` says which feature is what. A share that is
+    not defined reads 1/n.
+    """
     num_worlds, num_agents = frame.shape[:2]
-    turned = np.empty((num_worlds, num_agents, 3))
+    seen = np.empty((num_worlds, num_agents, 10 + 6 * num_agents), dtype=np.float32)
     for k in range(num_worlds):
-        c_object, s_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
+        cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
+        dx, dy, turn = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1], goal[k, 2] - pose[k, 2]
+        cos_turn, sin_turn = np.cos(turn), np.sin(turn)
         for i in range(num_agents):
-            c = c_object * frame[k, i, 0] - s_object * frame[k, i, 1]
-            s = s_object * frame[k, i, 0] + c_object * frame[k, i, 1]
-            turned[k, i, 0] = c * twist[k, 0] + s * twist[k, 1]
-            turned[k, i, 1] = c * twist[k, 1] - s * twist[k, 0]
-            turned[k, i, 2] = twist[k, 2]
-    return turned
-
-
-@njit(cache=True)
-def goals_to_agents(goal, pose, frame):  # pragma: no cover - compiled
-    """Way to the goal pose in each agent's frame ``(world, agent, 4)``: Δx, Δy, cos Δθ, sin Δθ."""
-    num_worlds, num_agents = frame.shape[:2]
-    away = goal - pose
-    seen = np.empty((num_worlds, num_agents, 4))
-    seen[:, :, :3] = rates_to_agents(away, pose, frame)
-    for k in range(num_worlds):
-        seen[k, :, 2], seen[k, :, 3] = np.cos(away[k, 2]), np.sin(away[k, 2])
+            c_own, s_own = frame[k, i, 0], frame[k, i, 1]
+            c = cos_object * c_own - sin_object * s_own
+            s = sin_object * c_own + cos_object * s_own
+            out = seen[k, i]
+            out[0], out[1], out[2], out[3] = c * dx + s * dy, c * dy - s * dx, cos_turn, sin_turn
+            vx, vy = twist[k, 0], twist[k, 1]
+            out[4], out[5], out[6] = c * vx + s * vy, c * vy - s * vx, twist[k, 2]
+            at = 7
+            for wrench in (applied, internal):
+                for step in range(num_agents):  # its own first, then the others in order
+                    x, y, torque = wrench[k, (i + step) % num_agents]
+                    out[at] = c_own * x + s_own * y
+                    out[at + 1] = c_own * y - s_own * x
+                    out[at + 2] = torque
+                    at += 3
+            force, torque = force_share[k, i], torque_share[k, i]
+            out[at] = 1 / num_agents if np.isnan(force) else force
+            out[at + 1] = 1 / num_agents if np.isnan(torque) else torque
+            out[at + 2] = relative_cost[k]
     return seen
+
+
+@njit(cache=True)
+def repeated(value, count, scale):  # pragma: no cover - compiled
+    """``scale`` × one value a world ``(world,)``, for each of ``count`` agents."""
+    out = np.empty((len(value), count))
+    for k in range(len(value)):
+        out[k, :] = scale * value[k]
+    return out

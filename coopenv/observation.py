@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from coopenv import frames
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.frames import VIEW_PARTS, view_slices
 from coopenv.transition import Transition
 
 
@@ -16,65 +16,39 @@ from coopenv.transition import Transition
 class Block:
     """One named part of an observation.
 
-    ``read`` returns ``(world, agent, size(num_agents))`` from the transition that led here.
+    Raises
+    ------
+    InvalidInput
+        If ``name`` is empty or ``size`` is not at least 1.
     """
 
     name: str
-    read: Callable[[Transition], FloatArray]
-    size: Callable[[int], int]  # of the number of agents
+    size: int | Callable[[int], int]  # features, or how many for a number of agents
     describe: str  # contents, unit and frame
+    read: Callable[[Transition], FloatArray] | None = (
+        None  # -> (world, agent, size); None: built in
+    )
     low: float = -np.inf
     high: float = np.inf
 
+    def __post_init__(self) -> None:
+        if not self.name or (isinstance(self.size, int) and self.size < 1):
+            raise InvalidInput(
+                f"a block must have a name and at least one feature, got {self.name!r} of size "
+                f"{self.size!r}; name it and give its size"
+            )
 
-def _goal(transition: Transition) -> FloatArray:
-    state = transition.next_state
-    return frames.goals_to_agents(state.goal, state.pose, transition.team.frame)
-
-
-def _twist(transition: Transition) -> FloatArray:
-    state = transition.next_state
-    return frames.rates_to_agents(state.twist, state.pose, transition.team.frame)
-
-
-def _own_wrench(transition: Transition) -> FloatArray:
-    return frames.to_agents(transition.applied, transition.team.frame)
+    def width(self, num_agents: int) -> int:
+        """Number of features in a team of ``num_agents``."""
+        return self.size if isinstance(self.size, int) else self.size(num_agents)
 
 
-def _partner_wrench(transition: Transition) -> FloatArray:
-    return frames.others_to_agents(transition.applied, transition.team.frame)
-
-
-def _own_internal(transition: Transition) -> FloatArray:
-    return frames.to_agents(transition.decomposition.internal, transition.team.frame)
-
-
-def _partner_internal(transition: Transition) -> FloatArray:
-    return frames.others_to_agents(transition.decomposition.internal, transition.team.frame)
-
-
-def _load_share(transition: Transition) -> FloatArray:
-    share = transition.decomposition.load_share
-    both = np.empty((*share.force.shape, 2))
-    both[..., 0], both[..., 1] = share.force, share.torque
-    both[np.isnan(both)] = 1 / transition.team.num_agents
-    return both
-
-
-def _relative_cost(transition: Transition) -> FloatArray:
-    return transition.per_agent(transition.decomposition.relative_cost)[..., None]
-
-
-def _time(transition: Transition) -> FloatArray:
+def _time_left(transition: Transition) -> FloatArray:
     left = 1 - transition.next_state.time / (transition.horizon * transition.dt)
     return transition.per_agent(left)[..., None]
 
 
-def _wrench_size(num_agents: int) -> int:
-    return 3
-
-
-def _others_size(num_agents: int) -> int:
+def _others(num_agents: int) -> int:
     return 3 * (num_agents - 1)
 
 
@@ -83,75 +57,58 @@ BLOCKS: dict[str, Block] = {
     for block in (
         Block(
             name="goal",
-            read=_goal,
-            size=lambda num_agents: 4,
+            size=4,
             describe="way from the object to its goal: Δx, Δy [m], cos Δθ, sin Δθ; agent frame",
         ),
         Block(
             name="twist",
-            read=_twist,
-            size=lambda num_agents: 3,
+            size=3,
             describe="velocity of the object [m/s] and spin [rad/s]; agent frame",
         ),
         Block(
             name="own_wrench",
-            read=_own_wrench,
-            size=_wrench_size,
+            size=3,
             describe="force [N] and torque [N·m] this agent applied; agent frame",
         ),
         Block(
             name="partner_wrench",
-            read=_partner_wrench,
-            size=_others_size,
+            size=_others,
             describe="force [N] and torque [N·m] each other agent applied; this agent's frame",
         ),
         Block(
             name="own_internal",
-            read=_own_internal,
-            size=_wrench_size,
+            size=3,
             describe="internal part of this agent's wrench [N, N·m]; agent frame",
         ),
         Block(
             name="partner_internal",
-            read=_partner_internal,
-            size=_others_size,
+            size=_others,
             describe="internal part of each other agent's wrench [N, N·m]; this agent's frame",
         ),
         Block(
             name="load_share",
-            read=_load_share,
-            size=lambda num_agents: 2,
+            size=2,
             describe="this agent's share of the force and of the torque; 1/n where undefined",
             low=0.0,
             high=1.0,
         ),
         Block(
             name="relative_cost",
-            read=_relative_cost,
-            size=lambda num_agents: 1,
+            size=1,
             describe="γ, the fraction of the applied wrench's cost that was compensated",
         ),
         Block(
             name="time",
-            read=_time,
-            size=lambda num_agents: 1,
+            size=1,
             describe="what is left of the episode, from 1 down to 0",
+            read=_time_left,
             low=0.0,
             high=1.0,
         ),
     )
 }
 
-DEFAULT_BLOCKS = (
-    "goal",
-    "twist",
-    "own_wrench",
-    "partner_wrench",
-    "own_internal",
-    "partner_internal",
-    "load_share",
-    "relative_cost",
-)
+DEFAULT_BLOCKS = VIEW_PARTS
 
 
 class Observation:
@@ -183,7 +140,7 @@ class Observation:
 
     def __init__(self, blocks: Sequence[str | Block], num_agents: int):
         chosen = [find_block(block) for block in blocks]
-        sizes = [block.size(num_agents) for block in chosen]
+        sizes = [block.width(num_agents) for block in chosen]
         ends = np.cumsum(sizes).tolist()
         self.size: int = ends[-1]
         self.blocks = {
@@ -192,14 +149,31 @@ class Observation:
         }
         self.low = np.repeat([block.low for block in chosen], sizes).astype(np.float32)
         self.high = np.repeat([block.high for block in chosen], sizes).astype(np.float32)
-        self._parts = [(block.read, self.blocks[block.name]) for block in chosen]
+        self._chosen = chosen
+        self._view = view_slices(num_agents)
+        self._is_whole_view = tuple(self.blocks) == VIEW_PARTS
 
     def __call__(self, transition: Transition) -> npt.NDArray[np.float32]:
         """What every agent sees after ``transition``: ``(world, agent, size)``, a fresh array."""
-        seen = np.empty((*transition.applied.shape[:2], self.size), dtype=np.float32)
-        for read, where in self._parts:
-            seen[..., where] = read(transition)
+        view = transition.agent_view()
+        if self._is_whole_view:
+            return view
+        seen = np.empty((*view.shape[:2], self.size), dtype=np.float32)
+        for block, where in zip(self._chosen, self.blocks.values(), strict=True):
+            if block.read is None:
+                seen[..., where] = view[..., self._view[block.name]]
+            else:
+                seen[..., where] = _checked(block.read(transition), seen[..., where].shape, block)
         return seen
+
+
+def _checked(value: FloatArray, shape: tuple[int, ...], block: Block) -> FloatArray:
+    if np.shape(value) != shape:
+        raise InvalidInput(
+            f"block {block.name!r} must read an array of shape {shape}, got {np.shape(value)}; "
+            "one row an agent of every world"
+        )
+    return value
 
 
 def find_block(block: str | Block) -> Block:

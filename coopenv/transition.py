@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray
@@ -104,11 +105,25 @@ class Transition:
             self._decompositions[settings] = found
         return found
 
-    def per_agent(self, value: FloatArray) -> FloatArray:
-        """Repeat one value a world ``(world,)`` for each agent: ``(world, agent)``."""
-        repeated = np.empty(self.applied.shape[:2])
-        repeated[:] = value[:, None]
-        return repeated
+    def agent_view(self) -> npt.NDArray[np.float32]:
+        """What each agent's frame shows of this step; see `coopenv.frames.agent_view`."""
+        decomposition, state = self.decomposition, self.next_state
+        share = decomposition.load_share
+        return frames.agent_view(
+            state.pose,
+            state.twist,
+            state.goal,
+            self.team.frame,
+            self.applied,
+            decomposition.internal,
+            share.force,
+            share.torque,
+            decomposition.relative_cost,
+        )
+
+    def per_agent(self, value: npt.NDArray[Any], scale: float = 1.0) -> FloatArray:
+        """``scale`` × one value a world ``(world,)``, for each agent: ``(world, agent)``."""
+        return frames.repeated(value, self.team.num_agents, scale)
 
     def with_worlds(self, worlds: IntArray, other: "Transition") -> "Transition":
         """A copy with ``worlds`` replaced by those of ``other``, in order."""

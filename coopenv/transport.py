@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from gymnasium.utils import seeding
+from numba import njit
 
 from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
@@ -161,23 +162,22 @@ class Transport:
         if self.transition is None or ended.any():
             raise ResetNeeded(self._why_reset(ended))
         clipped, applied = self._applied(action)
-        state = self.transition.next_state
+        before = self.transition
         self.world.step(sum_at_centre(applied, self.team.grips))
-        self._steps = self._steps + 1
-        next_state = self._state(state.goal)
+        self._steps, time = _tick(self._steps, self.dt)
+        next_state = self._state(before.next_state.goal, time)
         success = self.config.task.success(next_state.pose, next_state.twist, next_state.goal)
-        truncated = (self._steps >= self.horizon) & ~success
-        self._ended = success | truncated
+        truncated, self._ended = _ends(success, self._steps, self.horizon)
         self.transition = transition = Transition(
-            state=state,
+            state=before.next_state,
             next_state=next_state,
             team=self.team,
             action=clipped,
-            previous_action=self.transition.action,
+            previous_action=before.action,
             applied=applied,
             contact_impulse=self.world.contact_impulse,
             success=success,
-            terminated=success.copy(),
+            terminated=success,
             truncated=truncated,
             dt=self.dt,
             horizon=self.horizon,
@@ -211,14 +211,11 @@ class Transport:
             finite_array(given, "action")  # raises, naming the place
         return clipped, applied
 
-    def _state(self, goal: FloatArray) -> State:
+    def _state(self, goal: FloatArray, time: FloatArray) -> State:
         pose = frames.wrap_pose(self.world.pose)
+        distance = self.config.task.distance(pose, goal)
         return State(
-            pose=pose,
-            twist=self.world.twist.copy(),
-            goal=goal,
-            distance=self.config.task.distance(pose, goal),
-            time=self._steps.astype(np.float64) * self.dt,
+            pose=pose, twist=self.world.twist.copy(), goal=goal, distance=distance, time=time
         )
 
     def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
@@ -308,3 +305,17 @@ class Transport:
             f"worlds whose episode has ended must be reset before the next step, got a step with "
             f"{len(ended)} ended (the first: {ended[0]}); call reset(mask=terminated | truncated)"
         )
+
+
+@njit(cache=True)
+def _tick(steps, dt):  # pragma: no cover - compiled
+    """Steps and time [s] since the episode began, one step later."""
+    later = steps + 1
+    return later, later * dt
+
+
+@njit(cache=True)
+def _ends(success, steps, horizon):  # pragma: no cover - compiled
+    """Which worlds ran out of time, and which ended either way."""
+    truncated = (steps >= horizon) & ~success
+    return truncated, truncated | success

@@ -62,16 +62,12 @@ class World:
         self.pose = np.zeros((self.num_worlds, 3))
         self.twist = np.zeros((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
-        self._reach = np.array([body.reach for body in self.bodies])
-        self._table = motion.coefficients(
-            np.array([body.mass for body in self.bodies]),
-            np.array([body.inertia for body in self.bodies]),
-            np.array([body.linear_drag for body in self.bodies]),
-            np.array([body.angular_drag for body in self.bodies]),
-            self.substep,
-        )
         self._shards = [
-            _Shard(self.bodies[start : start + SHARD_SIZE], self.scenes[start : start + SHARD_SIZE])
+            _Shard(
+                self.bodies[start : start + SHARD_SIZE],
+                self.scenes[start : start + SHARD_SIZE],
+                self.substep,
+            )
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
 
@@ -95,19 +91,27 @@ class World:
         self.contact_impulse = np.zeros(self.num_worlds)
         for number, shard in enumerate(self._shards):
             part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)
-            table, reach, held = self._table[part], self._reach[part], wrench[part]
+            held = wrench[part]
             reached = self.pose[part], self.twist[part], self.contact_impulse[part]
             pose, twist = before[0][part], before[1][part]
             for _ in range(self.substeps):
-                shard.step(table, reach, pose, twist, held, self.substep, reached)
+                shard.step(pose, twist, held, reached)
                 pose, twist = reached[:2]
 
 
 class _Shard:
     """Worlds far apart on a grid in one pymunk space."""
 
-    def __init__(self, bodies: Sequence[Body], scenes: Sequence[Scene]):
-        self._bodies = bodies
+    def __init__(self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float):
+        self._bodies, self._substep = bodies, substep
+        self._reach = np.array([body.reach for body in bodies])
+        self._table = motion.coefficients(
+            np.array([body.mass for body in bodies]),
+            np.array([body.inertia for body in bodies]),
+            np.array([body.linear_drag for body in bodies]),
+            np.array([body.angular_drag for body in bodies]),
+            substep,
+        )
         self._space = pymunk.Space()
         self._space.iterations = SOLVER_ITERATIONS
         self._space.collision_slop = COLLISION_SLOP
@@ -138,22 +142,19 @@ class _Shard:
 
     def step(
         self,
-        table: FloatArray,
-        reach: FloatArray,
         pose: FloatArray,
         twist: FloatArray,
         wrench: FloatArray,
-        substep: float,
         reached: tuple[FloatArray, FloatArray, FloatArray],
     ) -> None:
         """One substep from ``pose`` and ``twist``; writes pose, twist, impulse into ``reached``."""
-        rows, expected = self._rows, self._expected
+        rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
         motion.drive(rows, table, pose, twist, wrench, substep, self._command, expected)
         batch.set_space_bodies(self._space, _COMMAND, self._commands)
         self._space.step(substep)
         self._reports.clear()
         batch.get_space_bodies(self._space, _REPORT, self._reports)
-        motion.collect(rows, table, reach, self._origin, self._report, expected, *reached)
+        motion.collect(rows, table, self._reach, self._origin, self._report, expected, *reached)
 
     def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
         body = pymunk.Body(self._bodies[k].mass, self._bodies[k].inertia or 0.0)

@@ -60,7 +60,8 @@ def find_reward(reward: Any) -> RewardSum:
     if isinstance(reward, Mapping):
         return RewardSum(reward)
     if callable(reward) and not isinstance(reward, type):
-        return RewardSum({getattr(reward, "__name__", type(reward).__name__): reward})
+        term: Any = reward
+        return RewardSum({getattr(term, "__name__", type(term).__name__): term})
     raise InvalidInput(
         f"reward must be a preset name, a RewardSum or a term, got {reward!r}; "
         f"presets: {', '.join(PRESETS)}"

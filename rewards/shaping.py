@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-import numpy as np
-
 from coopenv.arrays import FloatArray, positive
 from coopenv.errors import InvalidInput
 from coopenv.transition import State, Transition
@@ -41,10 +39,9 @@ class PotentialShaping:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``, the same for every agent."""
-        before = self.potential(transition.state)
-        after = self.discount * self.potential(transition.next_state)
-        after = np.where(transition.terminated, 0.0, after)
-        return transition.per_agent(self.weight * (after - before))
+        before, after = self.potential(transition.state), self.potential(transition.next_state)
+        gain = self.discount * after * ~transition.terminated - before
+        return transition.per_agent(gain, self.weight)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

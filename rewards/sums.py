@@ -32,10 +32,12 @@ class RewardSum(Mapping[str, Term]):
     Raises
     ------
     InvalidInput
-        If a name is not a string or a term cannot be called.
+        If there is no term, a name is not a string or a term cannot be called.
     """
 
     def __init__(self, terms: Mapping[str, Term]):
+        if not terms:
+            raise InvalidInput("reward must have at least one term, got none; see rewards.PRESETS")
         for name, term in terms.items():
             if not isinstance(name, str) or not callable(term):
                 raise InvalidInput(
@@ -47,8 +49,9 @@ class RewardSum(Mapping[str, Term]):
     def __call__(self, transition: Transition) -> tuple[FloatArray, dict[str, FloatArray]]:
         """Total ``(world, agent)`` and its parts by name."""
         parts = {name: term(transition) for name, term in self._terms.items()}
-        total = np.zeros(transition.applied.shape[:2])
-        for part in parts.values():
+        first, *others = parts.values()
+        total = first.copy()
+        for part in others:
             total += part
         return total, parts
 

@@ -20,7 +20,7 @@ class Success:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        return transition.per_agent(self.weight * transition.success)
+        return transition.per_agent(transition.success, self.weight)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +31,9 @@ class TimeCost:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        return np.full(transition.applied.shape[:2], -self.weight * transition.dt)
+        cost = np.empty(transition.applied.shape[:2])
+        cost.fill(-self.weight * transition.dt)
+        return cost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +93,7 @@ class RelativeCost:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         decomposition = transition.decompose(self.settings or transition.team.settings)
-        return transition.per_agent(-self.weight * decomposition.relative_cost)
+        return transition.per_agent(decomposition.relative_cost, -self.weight)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,4 +140,4 @@ class Contact:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        return transition.per_agent(-self.weight * transition.contact_impulse)
+        return transition.per_agent(transition.contact_impulse, -self.weight)
