@@ -44,6 +44,9 @@ class Team:
             alike=bool((grips == grips[:1]).all()),
         )
 
+    def __reduce__(self):
+        return Team.build, (self.grips, self.limits, self.settings)  # compiled parts do not pickle
+
     @property
     def num_agents(self) -> int:
         """Number of effectors in a world."""
@@ -91,6 +94,9 @@ class Transition:
     _decompositions: dict[Settings, Decomposition] = field(
         init=False, default_factory=dict, repr=False
     )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_decompositions": {}}  # computed again when asked for
 
     @property
     def decomposition(self) -> Decomposition:
