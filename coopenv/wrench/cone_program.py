@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import clarabel
+import clarabel as compiled_clarabel
 import numpy as np
 from scipy import sparse
 
 from coopenv.arrays import FloatArray
+
+clarabel: Any = compiled_clarabel  # it has no type stubs
 
 
 class Affine(NamedTuple):
@@ -27,9 +29,16 @@ class Affine(NamedTuple):
 
 
 class ConeProgram:
-    """Collects variables, costs and constraints on affine vectors."""
+    """Collects variables, costs and constraints on affine vectors.
 
-    def __init__(self):
+    Parameters
+    ----------
+    cost_unit
+        The objective is the sum of the costs divided by this.
+    """
+
+    def __init__(self, cost_unit: float):
+        self.cost_unit = cost_unit
         self._cost: list[float] = []
         self._cones: list[Any] = []
         self._right: list[FloatArray] = []
@@ -81,13 +90,23 @@ class ConeProgram:
         for column, factor in zip(scalar.columns, scalar.block[0], strict=True):
             self._cost[column] += cost * sign * factor
 
-    def solve(self, settings: Any) -> Any:
-        """Run Clarabel and return its solution."""
+    def solve(self, tolerance: float) -> Any:
+        """Run Clarabel and return its solution, however far it came.
+
+        Parameters
+        ----------
+        tolerance
+            On feasibility and gap, in the units of the program.
+        """
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.max_threads = 1
+        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         shape = (self._num_rows, len(self._cost))
         indices = (np.concatenate(self._rows), np.concatenate(self._columns))
         matrix = sparse.csc_matrix((np.concatenate(self._entries), indices), shape)
         nothing = sparse.csc_matrix((shape[1], shape[1]))
-        cost, right = np.array(self._cost), np.concatenate(self._right)
+        cost, right = np.array(self._cost) / self.cost_unit, np.concatenate(self._right)
         return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
 
     def _place(self, columns: list[int], block: FloatArray) -> None:

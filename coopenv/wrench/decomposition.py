@@ -13,8 +13,10 @@ from coopenv.wrench.grasp import (
     moment,
     require_wrench_per_grip,
     sum_at_centre,
+    wrench_size,
 )
-from coopenv.wrench.measures import EnergyShare, Levels, LoadShare
+from coopenv.wrench.measure_kernels import level_kernel
+from coopenv.wrench.measures import EnergyShare, LoadShare
 from coopenv.wrench.methods import METHODS
 from coopenv.wrench.settings import Settings
 
@@ -83,13 +85,14 @@ class Decomposer:
         If the grips have a wrong shape or number or do not go with method or solver.
     """
 
-    __slots__ = ("_level_parameters", "_solve", "grips", "settings", "solver")
+    __slots__ = ("_core_shape", "_level_parameters", "_solve", "grips", "settings", "solver")
 
     def __init__(self, grips: npt.ArrayLike, settings: Settings | None = None):
         settings = Settings() if settings is None else settings
         self.grips = checked_grips(grips).copy()
         self.grips.flags.writeable = False
         self.settings = settings
+        self._core_shape = (self.grips.shape[-2], wrench_size(self.grips.shape[-1]))
         self.solver, self._solve = METHODS[settings.method](self.grips, settings)
         self._level_parameters = measures.level_parameters(
             settings.torque_weight, settings.include_induced, settings.plausible
@@ -109,7 +112,8 @@ class Decomposer:
         InvalidInput
             If the shape does not go with the grips.
         """
-        require_wrench_per_grip(applied, self.grips)
+        if applied.shape[-2:] != self._core_shape or self.grips.ndim > 2:
+            require_wrench_per_grip(applied, self.grips)
         manipulation, gap = self._solve(applied)
         if manipulation.shape != applied.shape:
             applied = np.broadcast_to(applied, manipulation.shape)
@@ -183,21 +187,21 @@ class Decomposition:
         return sum_at_centre(self.applied, self.grips)
 
     @cached_property
-    def _levels(self) -> Levels:
+    def _levels(self) -> FloatArray:
+        """All that `level_kernel` writes, ``(5, ...)`` with the batch axes reversed."""
         decomposer = self._decomposer
-        return measures.levels(
-            self.applied, self.manipulation, decomposer.grips, decomposer._level_parameters
-        )
+        parameters = decomposer._level_parameters
+        return level_kernel(self.applied, self.manipulation, decomposer.grips, parameters).T
 
     @property
     def cost(self) -> FloatArray:
         """J(h_M), ``(...)`` [N, torques per metre] (eq. 17)."""
-        return self._levels.cost
+        return self._levels[0].T
 
     @property
     def applied_cost(self) -> FloatArray:
         """J(h), ``(...)`` [N, torques per metre] (eq. 17)."""
-        return self._levels.applied_cost
+        return self._levels[1].T
 
     @property
     def relative_cost(self) -> FloatArray:
@@ -206,7 +210,7 @@ class Decomposition:
         ``(...)`` in [0, 1] for plausible methods, 0 where no wrench was applied; others may leave
         the interval.
         """
-        return self._levels.relative_cost
+        return self._levels[2].T
 
     @property
     def internal_force_level(self) -> FloatArray:
@@ -214,7 +218,7 @@ class Decomposition:
 
         As the optimum need not be unique, it can jump where costs tie; γ cannot.
         """
-        return self._levels.internal_force
+        return self._levels[3].T
 
     @property
     def internal_torque_level(self) -> FloatArray:
@@ -222,7 +226,7 @@ class Decomposition:
 
         As the optimum need not be unique, it can jump where costs tie; γ cannot.
         """
-        return self._levels.internal_torque
+        return self._levels[4].T
 
     @cached_property
     def load_share(self) -> LoadShare:

@@ -1,6 +1,6 @@
 """Measures of a wrench and of its decomposition: costs, disagreement, load and energy shares."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -8,7 +8,7 @@ import numpy.typing as npt
 from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput
 from coopenv.wrench.grasp import checked_applied, checked_grips, wrench_size
-from coopenv.wrench.measure_kernels import energy_share_kernel, level_kernel, load_share_kernel
+from coopenv.wrench.measure_kernels import energy_share_kernel, load_share_kernel
 
 
 class LoadShare(NamedTuple):
@@ -25,16 +25,6 @@ class EnergyShare(NamedTuple):
     linear: FloatArray  # (..., n) dimensionless
     angular: FloatArray  # (..., n) dimensionless
     internal_power: FloatArray  # (...) [W], passed from effector to effector
-
-
-class Levels(NamedTuple):
-    """Costs and disagreement of one decomposition."""
-
-    cost: FloatArray  # (...) [N]: torques are weighted by 1 per metre
-    applied_cost: FloatArray  # (...) [N]
-    relative_cost: FloatArray  # (...) dimensionless
-    internal_force: FloatArray  # (...) [N]
-    internal_torque: FloatArray  # (...) [N·m]
 
 
 def load_share(applied: npt.ArrayLike, grips: npt.ArrayLike) -> LoadShare:
@@ -127,13 +117,3 @@ def checked_twist(twist: npt.ArrayLike, applied: FloatArray, grips: FloatArray) 
 def level_parameters(torque_weight: float, include_induced: bool, plausible: bool) -> FloatArray:
     """Return the weights as `level_kernel` takes them, padded to the length of its output."""
     return np.array([torque_weight, float(include_induced), float(plausible), 0.0, 0.0])
-
-
-def levels(
-    applied: FloatArray, manipulation: FloatArray, grips: FloatArray, parameters: FloatArray
-) -> Levels:
-    """All costs (eq. 17) and levels (eqs. 28-29) in one go; arguments as in `level_kernel`."""
-    packed: Any = level_kernel(applied, manipulation, grips, parameters)
-    if packed.ndim == 1:
-        return Levels(*packed)
-    return Levels(*np.moveaxis(packed, -1, 0))

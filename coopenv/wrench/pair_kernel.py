@@ -64,9 +64,10 @@ def _interval(forces, t1, t2, a1, a2, lever):
     if a1 == 0.0 or a2 == 0.0:
         lens_low, lens_high = _lens_extent(forces)
         low, high = max(low, lens_low), min(high, lens_high)
+    divisor = lever if lever != 0.0 else 1.0
+    take = (max(t1, 0.0) + max(t2, 0.0)) / divisor
+    give = -(min(t1, 0.0) + min(t2, 0.0)) / divisor
     if lever != 0.0:  # lever·v may take up to all positive, give up to all negative pure torque
-        take = (max(t1, 0.0) + max(t2, 0.0)) / lever
-        give = -(min(t1, 0.0) + min(t2, 0.0)) / lever
         low, high = max(low, min(-take, give)), min(high, max(-take, give))
     return low, high
 
@@ -99,8 +100,9 @@ def _arc(v, dx, dy, side):
 def _direction(x, y, tangent_x, tangent_y, sign):
     """Unit vector of a force; one that vanishes does so along the tangent."""
     force = sqrt(x * x + y * y)
+    per_force = 1.0 / max(force, VANISHED)
     if force > VANISHED:
-        return x / force, y / force
+        return x * per_force, y * per_force
     return sign * tangent_x, sign * tangent_y
 
 
@@ -126,7 +128,7 @@ def _slope(v, forces, weights, piece):
             return force_weight * ((e2x - e1x) * tx + (e2y - e1y) * ty) + climb * ty
     along, rise = f1x + f2x, abs(across1) + abs(across2)
     length = sqrt(along * along + rise * rise)
-    steepness = rise / length if length > TINY else 1.0
+    steepness = (rise + TINY) / (length + TINY)  # 1 where both vanish
     return force_weight * (sign2 - sign1) * steepness + climb
 
 
@@ -150,11 +152,11 @@ def _root(a, slope_a, b, slope_b, forces, weights, piece):
         xi = (a - b) / (c - b)
         phi = (slope_a - slope_b) / (slope_c - slope_b)
         step = 0.5
+        curved = slope_c - slope_a
+        curved = curved if curved != 0.0 else 1.0
         if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
             step = slope_a / (slope_b - slope_a) * slope_c / (slope_b - slope_c)
-            step += (
-                (c - a) / (b - a) * slope_a / (slope_c - slope_a) * slope_b / (slope_c - slope_b)
-            )
+            step += (c - a) / (b - a) * slope_a / curved * slope_b / (slope_c - slope_b)
         step = min(max(step, tolerance), 1.0 - tolerance)
     return best
 
@@ -163,12 +165,12 @@ def _root(a, slope_a, b, slope_b, forces, weights, piece):
 def _edges(forces, low, high, no_torque, a1, a2):
     """Ends and kinks of the cost in ascending order; kinks outside fall on an end."""
     no_torque = min(max(no_torque, low), high)
-    if a1 != 0.0 and a2 != 0.0:  # then forces keep their sign across the line: no other kink
-        return (low, no_torque, high, high, high, high, high)
-    k1, k2 = no_torque, min(max(0.0, low), high)
-    k3, k4 = min(max(_vertex(forces), low), high), min(max(forces[1], low), high)
+    vertex = min(max(_vertex(forces), low), high)
+    k1, k2 = min(no_torque, vertex), max(no_torque, vertex)
+    if a1 != 0.0 and a2 != 0.0:  # then forces keep their sign across the line, and so does v
+        return (low, k1, k2, high, high, high, high)
+    k3, k4 = min(max(0.0, low), high), min(max(forces[1], low), high)
     k5 = min(max(-forces[3], low), high)
-    k1, k2 = min(k1, k2), max(k1, k2)
     k3, k4 = min(k3, k4), max(k3, k4)
     k1, k3 = min(k1, k3), max(k1, k3)
     k2, k4 = min(k2, k4), max(k2, k4)
@@ -220,7 +222,7 @@ def _solve(f1x, f1y, f2x, f2y, t1, t2, a1, a2, w, induced):
     weights = (1.0 - w, induced * w * abs(a1), induced * w * abs(a2), w * (1.0 + TIE) * lever)
     v = low
     if high > low:
-        no_torque = -applied_torque / lever if lever != 0.0 else low
+        no_torque = -applied_torque / (lever if lever != 0.0 else 1.0)
         v = _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, a2)
     u = _best_u(forces, v)
     torque = applied_torque + lever * v

@@ -99,7 +99,7 @@ def _inverse(grips: FloatArray, method: str, masses: Any, inertias: Any) -> Floa
             )
     matrix = grasp_matrix(grips)
     if method == "moore_penrose":
-        return np.linalg.pinv(matrix)
+        return np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
     dimension = grips.shape[-1]
     blocks = _grasp_blocks(grips)
     blocks[..., dimension:, :dimension] *= -1.0
@@ -124,7 +124,7 @@ def _parametrized(grips: FloatArray, masses: Any, inertias: Any) -> FloatArray:
     weighted = mass[:, None, None] * np.swapaxes(cross, -1, -2)
     object_inertia = inertia.sum(axis=0) + (cross @ weighted).sum(axis=-3)
     angular = np.linalg.inv(object_inertia)[..., None, :, :]
-    inverse = np.zeros(blocks.shape)
+    inverse: FloatArray = np.zeros_like(blocks)
     inverse[..., :dimension, :dimension] = mass[:, None, None] / mass.sum() * np.eye(dimension)
     inverse[..., :dimension, dimension:] = weighted @ angular
     inverse[..., dimension:, dimension:] = inertia @ angular
