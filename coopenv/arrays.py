@@ -32,30 +32,32 @@ def finite_array(value: Any, name: str) -> FloatArray:
 
 def positive(value: Any, name: str, *, unit: str = "", or_zero: bool = False) -> float:
     """Return ``value`` as a float, or raise `InvalidInput` unless it is finite and positive."""
-    number = _number(value, name)
-    if number < 0 or (number == 0 and not or_zero):
+    given = number(value, name)
+    if given < 0 or (given == 0 and not or_zero):
         rule = "zero or positive" if or_zero else "positive"
         raise InvalidInput(f"{name} must be {rule}, got {value!r}; give it in {unit or 'SI units'}")
-    return number
+    return given
 
 
 def whole(value: Any, name: str, *, at_least: int) -> int:
     """Return ``value`` as an int, or raise `InvalidInput` unless it is whole and large enough."""
-    number = _number(value, name)
-    if number != int(number) or number < at_least:
+    exact = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    given = int(value) if exact else number(value, name)  # a float would round large seeds
+    if given != int(given) or given < at_least:
         raise InvalidInput(
             f"{name} must be a whole number of at least {at_least}, got {value!r}; change it"
         )
-    return int(number)
+    return int(given)
 
 
-def _number(value: Any, name: str) -> float:
+def number(value: Any, name: str) -> float:
+    """Return ``value`` as a float, or raise `InvalidInput` unless it is a finite number."""
     if isinstance(value, bool | np.bool_):
         raise InvalidInput(f"{name} must be a number, got {value!r}; pass a float")
     try:
-        number = float(value)
+        given = float(value)
     except (TypeError, ValueError) as error:
         raise InvalidInput(f"{name} must be a number, got {value!r}; pass a float") from error
-    if not isfinite(number):
+    if not isfinite(given):
         raise InvalidInput(f"{name} must be finite, got {value!r}; pass an ordinary number")
-    return number
+    return given

@@ -111,4 +111,6 @@ def _is_convex(outline: FloatArray) -> bool:
     edges = np.roll(outline, -1, axis=0) - outline
     following = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
-    return bool((turns >= 0).all() or (turns <= 0).all())
+    along = (edges * following).sum(axis=1)
+    once = abs(np.arctan2(turns, along).sum()) < 3 * np.pi  # a star turns twice or more
+    return bool(once and ((turns >= 0).all() or (turns <= 0).all()))

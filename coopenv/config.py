@@ -1,7 +1,8 @@
 """The one description of an environment, and the one place that reads keywords."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from itertools import product
 from typing import Any, Self
 
 import numpy as np
@@ -114,13 +115,9 @@ class TransportConfig:
 
     def limits(self) -> FloatArray:
         """``(agent, 2)``: force [N] and torque [N·m] that an action of 1 stands for."""
-        return np.stack(
-            [
-                _per_agent(self.force_limit, "force_limit", self.num_agents),
-                _per_agent(self.torque_limit, "torque_limit", self.num_agents),
-            ],
-            axis=-1,
-        )
+        limits = np.empty((self.num_agents, 2))
+        limits[:, 0], limits[:, 1] = self.force_limit, self.torque_limit
+        return limits
 
     def _check_agreement(self) -> None:
         bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
@@ -131,18 +128,20 @@ class TransportConfig:
                 f"body.grips must be as many in every world, got {counts}; "
                 "one batch holds teams of one size"
             )
-        self.limits()
-        for body in set(bodies):
-            for scene in set(scenes):
-                self.task.check(body, scene)
+        for name in ("force_limit", "torque_limit"):
+            limit = _limit(getattr(self, name), name, self.num_agents)
+            object.__setattr__(self, name, limit)
+        for body, scene in set(_pairs(bodies, scenes)):
+            self.task.check(body, scene)
 
 
 def _built(value: Any, name: str, kind: type) -> Any:
     """Build ``kind`` from a mapping, the form in which JSON brings a dataclass back."""
     if not isinstance(value, Mapping):
-        if kind is not TransportTask and not isinstance(value, kind):
+        wanted = Task if kind is TransportTask else kind
+        if isinstance(value, type) or not isinstance(value, wanted):
             raise InvalidInput(
-                f"{name} must be a {kind.__name__}, got {value!r}; pass {kind.__name__}(...)"
+                f"{name} must be a {wanted.__name__}, got {value!r}; pass {kind.__name__}(...)"
             )
         return value
     known = [entry.name for entry in fields(kind)]
@@ -174,11 +173,18 @@ def _spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
     return value
 
 
-def _per_agent(value: Any, name: str, num_agents: int) -> FloatArray:
+def _pairs(bodies: Sequence[Body], scenes: Sequence[Scene]) -> Iterable[tuple[Body, Scene]]:
+    """Which body is in which scene; with one of either for all worlds, all combinations."""
+    if len(bodies) == len(scenes):
+        return zip(bodies, scenes, strict=True)
+    return product(bodies, scenes)
+
+
+def _limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:
     limits = finite_array(value, name)
     if limits.shape not in ((), (num_agents,)) or (limits <= 0).any():
         raise InvalidInput(
             f"{name} must be positive, one number or one for each of {num_agents} agents, "
             f"got {value!r}; a torque-free agent is action='force'"
         )
-    return np.broadcast_to(limits, (num_agents,))
+    return tuple(limits.tolist()) if limits.ndim else limits.item()

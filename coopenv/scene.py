@@ -1,11 +1,12 @@
 """Where the object is carried: a walled room and what stands in it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive
+from coopenv.arrays import FloatArray, finite_array, number, positive
 from coopenv.errors import InvalidInput
 
 WALL_THICKNESS = 2.0  # [m]; a beam at full force passes thin walls between two substeps
@@ -24,7 +25,7 @@ class Box:
         width, height = _pair(self.size, "obstacle.size")
         size = (positive(width, "obstacle.size"), positive(height, "obstacle.size"))
         object.__setattr__(self, "size", size)
-        object.__setattr__(self, "angle", float(finite_array(self.angle, "obstacle.angle")))
+        object.__setattr__(self, "angle", number(self.angle, "obstacle.angle"))
 
     @property
     def vertices(self) -> FloatArray:
@@ -54,13 +55,14 @@ class Scene:
         object.__setattr__(self, "size", size)
         friction = positive(self.friction, "scene.friction", or_zero=True)
         object.__setattr__(self, "friction", friction)
+        if not isinstance(self.obstacles, Sequence) or not all(
+            isinstance(obstacle, Box) for obstacle in self.obstacles
+        ):
+            raise InvalidInput(
+                f"scene.obstacles must be a sequence of Box objects, got {self.obstacles!r}; "
+                "pass (coopenv.Box(center=..., size=...), ...)"
+            )
         object.__setattr__(self, "obstacles", tuple(self.obstacles))
-        for obstacle in self.obstacles:
-            if not isinstance(obstacle, Box):
-                raise InvalidInput(
-                    f"scene.obstacles must be Box objects, got {obstacle!r}; "
-                    "pass coopenv.Box(center=..., size=...)"
-                )
 
     def solids(self) -> list[FloatArray]:
         """Every wall and obstacle as the vertices ``(4, 2)`` of a convex polygon [m]."""

@@ -1,6 +1,6 @@
 """What a task has to say."""
 
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from coopenv.scene import Scene
 Pose: TypeAlias = tuple[float, float, float]  # x, y [m], θ [rad]
 
 
+@runtime_checkable
 class Task(Protocol):
     """Start, goal and success. Stateless: the same object serves every world."""
 

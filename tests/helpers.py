@@ -1,0 +1,136 @@
+"""What several test modules share."""
+
+from collections.abc import Callable, Iterator
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import coopenv
+from coopenv import BLOCKS, Body, Box, Scene, TransportTask
+from coopenv.rewards import PRESETS
+from coopenv.wrench import Settings
+
+PARALLEL: dict[str, ModuleType] = {  # every registered id and its PettingZoo module
+    "coopenv/BeamTransport-v0": coopenv.beam_transport_v0,
+}
+IDS = list(PARALLEL)
+
+OPEN_ROOM = Scene(size=(80.0, 80.0))  # [m]; nothing to touch within a test
+NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
+EASY = TransportTask(  # random motion succeeds now and then
+    position_tolerance=1.5, angle_tolerance=1.0, speed_tolerance=5.0, spin_tolerance=5.0
+)
+CLUTTERED = Scene(
+    size=(7.0, 6.5),
+    obstacles=(
+        Box(center=(1.5, 1.5), size=(0.6, 0.4), angle=0.5),
+        Box(center=(-2.0, -1.0), size=(0.5, 0.5)),
+    ),
+)
+TRIO = Body(grips=((-0.9, 0.0), (0.3, 0.05), (0.9, -0.05)))
+QUINTET = Body.beam(
+    length=1.6,
+    width=0.4,
+    mass=12.0,
+    grips=((-0.8, 0.2), (-0.8, -0.2), (0.0, 0.0), (0.8, 0.2), (0.8, -0.2)),
+)
+
+# Every documented option at least once, by a name that reads in the test's id.
+OPTIONS: dict[str, dict[str, Any]] = {
+    "defaults": {},
+    "forces": {"action": "force"},
+    "every block": {"observe": tuple(BLOCKS)},
+    **{f"observe {name}": {"observe": (name,)} for name in BLOCKS},
+    **{f"reward {name}": {"reward": name} for name in PRESETS},
+    "one term": {"reward": coopenv.rewards.Success()},
+    "own sum": {
+        "reward": {"near": coopenv.rewards.Progress(), "load": coopenv.rewards.LoadShare()}
+    },
+    **{
+        f"decompose {method}": {"decomposition": Settings(method=method)}
+        for method in ("moore_penrose", "nonsqueezing", "parametrized", "point_mass")
+    },
+    "induced torque": {"decomposition": Settings(include_induced=True, torque_weight=0.3)},
+    "conic": {"decomposition": Settings(solver="conic"), "horizon": 20},
+    "coarse steps": {"dt": 0.1, "substeps": 1},
+    "fine steps": {"dt": 0.02, "substeps": 7},
+    "short horizon": {"horizon": 5},
+    "cluttered": {"scene": CLUTTERED},
+    "small heavy body": {"body": Body.beam(length=1.0, mass=30.0, friction=0.0, linear_drag=0.0)},
+    "uneven limits": {"force_limit": (10.0, 40.0), "torque_limit": (1.0, 5.0)},
+    "other task": {"task": TransportTask(position_tolerance=0.5, clearance=0.3, min_distance=2.0)},
+    "one agent": {"body": Body(grips=((0.4, 0.0),))},
+    "three agents": {"body": TRIO},
+    "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
+}
+
+
+def actions(seed: int, steps: int, *shape: int) -> npt.NDArray[np.float64]:
+    """Random actions ``(steps, *shape)`` in [−1, 1]."""
+    return np.random.default_rng(seed).uniform(-1, 1, (steps, *shape))
+
+
+def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Every leaf of nested dicts and tuples, with its path."""
+    if isinstance(value, dict):
+        for name, entry in value.items():
+            yield from leaves(entry, f"{path}.{name}")
+    elif isinstance(value, tuple | list):
+        for i, entry in enumerate(value):
+            yield from leaves(entry, f"{path}[{i}]")
+    else:
+        yield path, value
+
+
+def assert_same(first: Any, second: Any, *, within: float = 0.0) -> None:
+    """Raise unless two nested results are equal, to the bit by default; NaN equals NaN."""
+    mine, theirs = dict(leaves(first)), dict(leaves(second))
+    assert mine.keys() == theirs.keys()
+    for path, value in mine.items():
+        if value is None or isinstance(value, str):
+            assert value == theirs[path], path
+        elif within:
+            np.testing.assert_allclose(value, theirs[path], rtol=0, atol=within, err_msg=path)
+        else:
+            np.testing.assert_array_equal(value, theirs[path], err_msg=path, strict=True)
+
+
+def spoil(value: Any) -> None:
+    """Overwrite every array and empty every dict in a nested result."""
+    for _, leaf in list(leaves(value)):
+        if isinstance(leaf, np.ndarray) and leaf.dtype != object and leaf.flags.writeable:
+            leaf[...] = 1 if leaf.dtype == np.bool_ else 77
+    _empty(value)
+
+
+def _empty(value: Any) -> None:
+    if isinstance(value, tuple | list):
+        for entry in value:
+            _empty(entry)
+    elif isinstance(value, dict):
+        for entry in value.values():
+            _empty(entry)
+        value.clear()
+
+
+def parallel_actions(env: Any, joint: npt.NDArray[np.float64]) -> dict[str, Any]:
+    """One world's actions ``(agent, a)`` as a ParallelEnv takes them."""
+    return {name: joint[i].astype(np.float32) for i, name in enumerate(env.possible_agents)}
+
+
+def corners(pose: npt.NDArray[np.float64], body: Body) -> npt.NDArray[np.float64]:
+    """The outline's vertices ``(..., vertex, 2)`` in the world frame [m]."""
+    c, s = np.cos(pose[..., 2, None]), np.sin(pose[..., 2, None])
+    x, y = np.array(body.outline).T
+    turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)
+    return turned + pose[..., None, :2]
+
+
+def drive(core: coopenv.Transport, plan: npt.NDArray[np.float64]) -> list[Any]:
+    """Every step's result under ``plan`` ``(step, world, agent, a)``, with pose and twist."""
+    return [(core.step(action), core.world.pose, core.world.twist) for action in plan]
+
+
+Make = Callable[..., Any]

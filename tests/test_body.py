@@ -1,0 +1,105 @@
+"""The carried object: inertia of its outline, and what it refuses."""
+
+import numpy as np
+import pytest
+
+from coopenv import Body
+from coopenv.errors import InvalidInput
+
+
+def test_the_default_is_the_papers_beam_held_off_the_tie_at_one_metre():
+    body = Body()
+    assert (body.mass, body.num_agents) == (7.7, 2)
+    np.testing.assert_array_equal(body.grips, [(-0.9, 0.0), (0.9, 0.0)])
+    assert np.ptp(np.array(body.outline), axis=0) == pytest.approx([2.0, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("length", "width", "mass"), [(2.0, 0.1, 7.7), (0.5, 0.5, 1.0), (3, 1, 40)]
+)
+def test_a_beams_inertia_is_the_textbooks(length, width, mass):
+    body = Body.beam(length=length, width=width, mass=mass)
+    assert body.inertia == pytest.approx(mass * (length**2 + width**2) / 12, rel=1e-14)
+
+
+def test_a_regular_polygon_with_many_corners_has_the_inertia_of_a_disc():
+    angle = np.linspace(0, 2 * np.pi, 1000, endpoint=False)
+    body = Body(mass=2.0, outline=tuple(zip(np.cos(angle), np.sin(angle), strict=True)))
+    assert body.inertia == pytest.approx(2.0 / 2, rel=1e-4)
+
+
+def test_the_inertia_of_a_triangle_about_its_centroid_is_the_textbooks():
+    side = 1.3
+    height = side * np.sqrt(3) / 2
+    outline = ((-side / 2, -height / 3), (side / 2, -height / 3), (0.0, 2 * height / 3))
+    assert Body(mass=3.0, outline=outline).inertia == pytest.approx(3.0 * side**2 / 12, rel=1e-14)
+
+
+def test_a_clockwise_outline_is_the_same_body():
+    forward = Body()
+    backward = Body(outline=forward.outline[::-1])
+    assert backward.inertia == pytest.approx(forward.inertia, rel=1e-15)
+    assert backward.reach == forward.reach
+
+
+def test_a_given_inertia_is_taken_as_it_is():
+    assert Body(inertia=0.123).inertia == 0.123
+
+
+def test_reach_is_the_farthest_corner():
+    assert Body().reach == pytest.approx(np.hypot(1.0, 0.05))
+    assert Body(outline=((-3, -1), (1, -1), (0, 2))).reach == pytest.approx(np.hypot(3, 1))
+
+
+def test_a_beam_is_held_a_twentieth_of_its_length_inside_its_ends_unless_told_otherwise():
+    np.testing.assert_allclose(Body.beam(length=3.0).grips, [(-1.35, 0.0), (1.35, 0.0)])
+    assert Body.beam(length=3.0, grips=((0.0, 0.0),)).num_agents == 1
+
+
+def test_bodies_of_equal_values_are_equal_and_can_be_keys():
+    assert {Body(mass=3), Body(mass=3.0), Body()} == {Body(mass=3.0), Body()}
+
+
+def test_lists_and_arrays_are_read_as_points():
+    grips = [[-0.5, 0.0], [0.5, 0.0], [0.0, 0.04]]
+    assert Body(grips=grips) == Body(grips=np.array(grips))  # pyright: ignore[reportArgumentType]
+
+
+PENTAGRAM = tuple(
+    (float(np.cos(angle)), float(np.sin(angle))) for angle in 4 * np.pi / 5 * np.arange(5)
+)
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"mass": 0.0}, r"body\.mass must be positive"),
+        ({"mass": -1.0}, r"body\.mass must be positive"),
+        ({"mass": float("nan")}, r"body\.mass must be finite"),
+        ({"mass": float("inf")}, r"body\.mass must be finite"),
+        ({"mass": "heavy"}, r"body\.mass must be a number"),
+        ({"mass": True}, r"body\.mass must be a number"),
+        ({"inertia": 0.0}, r"body\.inertia must be positive"),
+        ({"linear_drag": -0.1}, r"body\.linear_drag must be zero or positive"),
+        ({"angular_drag": -0.1}, r"body\.angular_drag must be zero or positive"),
+        ({"friction": -0.1}, r"body\.friction must be zero or positive"),
+        ({"grips": ()}, r"body\.grips must be at least 1 points"),
+        ({"grips": ((0.0, 0.0, 0.0),)}, r"body\.grips must be at least 1 points"),
+        ({"grips": ((0.0, float("nan")),)}, r"body\.grips must be finite"),
+        ({"grips": ((0.0,), (0.0, 1.0))}, r"body\.grips must be an array of numbers"),
+        ({"outline": ((0, 0), (1, 1))}, r"body\.outline must be at least 3 points"),
+        ({"outline": ((1, 1), (2, 1), (2, 2))}, r"body\.outline must be a convex polygon around"),
+        ({"outline": ((-1, -1), (0, -0.2), (1, -1), (0, 2))}, r"body\.outline must be a convex"),
+        ({"outline": ((-1, 0), (1, 0), (0, 2))}, r"body\.outline must be a convex polygon around"),
+        ({"outline": PENTAGRAM}, r"body\.outline must be a convex polygon"),
+    ],
+)
+def test_a_body_that_cannot_be_is_refused_by_the_name_of_its_fault(values, named):
+    with pytest.raises(InvalidInput, match=named):
+        Body(**values)
+
+
+@pytest.mark.parametrize(("size", "named"), [("length", "length"), ("width", "width")])
+def test_a_beam_without_extent_is_refused(size, named):
+    with pytest.raises(InvalidInput, match=rf"body\.{named} must be positive"):
+        Body.beam(**{size: 0.0})
