@@ -3,7 +3,9 @@
 `pymunk.batch` is marked experimental upstream; everything used of it is in `_Shard`.
 """
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pymunk
@@ -70,6 +72,14 @@ class World:
             )
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
+        # pymunk and the compiled kernels release the interpreter lock, so shards run in parallel.
+        workers = min(len(self._shards), os.cpu_count() or 1)
+        self._pool = ThreadPoolExecutor(workers) if workers > 1 else None
+
+    @property
+    def spaces(self) -> list[pymunk.Space]:
+        """The pymunk spaces, for measurements; worlds may be stored in any order in them."""
+        return [shard.space for shard in self._shards]
 
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put the bodies of ``worlds`` at ``pose`` ``(len(worlds), 3)``, at rest and untouched."""
@@ -89,14 +99,18 @@ class World:
         before = self.pose, self.twist
         self.pose, self.twist = np.empty_like(self.pose), np.empty_like(self.twist)
         self.contact_impulse = np.zeros(self.num_worlds)
-        for number, shard in enumerate(self._shards):
+
+        def advance(number: int) -> None:
             part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)
-            held = wrench[part]
+            pose, twist, held = before[0][part], before[1][part], wrench[part]
             reached = self.pose[part], self.twist[part], self.contact_impulse[part]
-            pose, twist = before[0][part], before[1][part]
             for _ in range(self.substeps):
-                shard.step(pose, twist, held, reached)
+                self._shards[number].step(pose, twist, held, reached)
                 pose, twist = reached[:2]
+
+        run = map if self._pool is None else self._pool.map
+        for _ in run(advance, range(len(self._shards))):
+            pass  # waits, and raises what a shard raised
 
 
 class _Shard:
@@ -112,15 +126,15 @@ class _Shard:
             np.array([body.angular_drag for body in bodies]),
             substep,
         )
-        self._space = pymunk.Space()
-        self._space.iterations = SOLVER_ITERATIONS
-        self._space.collision_slop = COLLISION_SLOP
+        self.space = pymunk.Space()
+        self.space.iterations = SOLVER_ITERATIONS
+        self.space.collision_slop = COLLISION_SLOP
         self._origin = _grid(bodies, scenes)
         for scene, origin in zip(scenes, self._origin, strict=True):
             for solid in scene.solids():
-                wall = pymunk.Poly(self._space.static_body, (solid + origin).tolist())
+                wall = pymunk.Poly(self.space.static_body, (solid + origin).tolist())
                 wall.friction = scene.friction
-                self._space.add(wall)
+                self.space.add(wall)
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
         self._expected = np.zeros((len(bodies), 3))
@@ -136,7 +150,7 @@ class _Shard:
         for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
             old = self._shapes[k]
             assert old.body is not None
-            self._space.remove(old, old.body)
+            self.space.remove(old, old.body)
             self._shapes[k] = self._add(k, x, y, angle)
         self._rows = self._find_rows()
 
@@ -150,10 +164,10 @@ class _Shard:
         """One substep from ``pose`` and ``twist``; writes pose, twist, impulse into ``reached``."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
         motion.drive(rows, table, pose, twist, wrench, substep, self._command, expected)
-        batch.set_space_bodies(self._space, _COMMAND, self._commands)
-        self._space.step(substep)
+        batch.set_space_bodies(self.space, _COMMAND, self._commands)
+        self.space.step(substep)
         self._reports.clear()
-        batch.get_space_bodies(self._space, _REPORT, self._reports)
+        batch.get_space_bodies(self.space, _REPORT, self._reports)
         motion.collect(rows, table, self._reach, self._origin, self._report, expected, *reached)
 
     def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
@@ -161,14 +175,14 @@ class _Shard:
         body.position, body.angle = (x, y), angle
         shape = pymunk.Poly(body, self._bodies[k].outline)
         shape.friction = self._bodies[k].friction
-        self._space.add(body, shape)
+        self.space.add(body, shape)
         self._ids[k] = body.id
         return shape
 
     def _find_rows(self) -> IntArray:
         """The row of each world in pymunk's order, which changes when a body is replaced."""
         self._names.clear()
-        batch.get_space_bodies(self._space, batch.BodyFields.BODY_ID, self._names)
+        batch.get_space_bodies(self.space, batch.BodyFields.BODY_ID, self._names)
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
         return order[np.searchsorted(listed, self._ids, sorter=order)]

@@ -1,0 +1,174 @@
+"""Environment steps per second, beside the bare physics and VMAS in the same run.
+
+Everything is on: decomposition, measures, default reward, observation and infos. "Bare" is what
+pymunk itself costs for the same worlds: set every body's force, step, read every pose and twist,
+five times a control step or as often as the default has substeps. VMAS, where it is installed, runs
+its two-agent ``transport`` at the same number of worlds.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from statistics import median
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pymunk.batch as batch
+
+from coopenv import Transport
+from coopenv.world import World
+
+SIZES = (1, 16, 256, 1024)
+REPEATS = 9
+TARGET_RATIO = 1.5  # full step to five bare substeps, at 256 worlds and more
+TARGET_SINGLE = 8_000  # steps/s of the single Gymnasium environment
+
+
+@dataclass(frozen=True)
+class Row:
+    """Medians at one number of worlds [µs a world and control step]."""
+
+    num_worlds: int
+    full: float
+    bare_five: float
+    bare_same: float
+    ratio: float  # full / bare_five, median of the repeats' own ratios
+    vmas: float | None
+
+
+def compare(num_worlds: int) -> Row:
+    """Time everything side by side, alternating within each repeat."""
+    steps = max(30, min(1000, 20_000 // num_worlds))
+    core = Transport(num_worlds=num_worlds)
+    runs: dict[str, Callable[[], float]] = {
+        "full": lambda: full_step(core, steps),
+        "five": lambda: bare_step(core.world, 5, steps),
+        "same": lambda: bare_step(core.world, core.substeps, steps),
+    }
+    if find_spec("vmas"):
+        runs["vmas"] = vmas_run(num_worlds, max(20, steps // 10))
+    for run in runs.values():
+        run()
+    times = {name: [] for name in runs}
+    for _ in range(REPEATS):
+        for name, run in runs.items():
+            times[name].append(run() / num_worlds * 1e6)
+    return Row(
+        num_worlds=num_worlds,
+        full=median(times["full"]),
+        bare_five=median(times["five"]),
+        bare_same=median(times["same"]),
+        ratio=median(np.divide(times["full"], times["five"])),
+        vmas=median(times["vmas"]) if "vmas" in times else None,
+    )
+
+
+def full_step(core: Transport, steps: int) -> float:
+    """Seconds a batched control step, resets of ended worlds included."""
+    actions = np.random.default_rng(0).uniform(-1, 1, (20, core.num_worlds, core.num_agents, 3))
+    core.reset(seed=0)
+    began = time.perf_counter()
+    for k in range(steps):
+        *_, terminated, truncated, _ = core.step(actions[k % 20])
+        ended = terminated | truncated
+        if ended.any():
+            core.reset(mask=ended)
+    return (time.perf_counter() - began) / steps
+
+
+def bare_step(world: World, substeps: int, steps: int) -> float:
+    """Seconds that pymunk alone takes for the same spaces: forces in, step, poses out."""
+    start = np.zeros((world.num_worlds, 3))
+    start[:, 2] = np.random.default_rng(0).uniform(-np.pi, np.pi, world.num_worlds)
+    world.place(np.arange(world.num_worlds), start)  # at rest in mid-room: no contacts
+    fields = batch.BodyFields
+    told = fields.FORCE | fields.TORQUE
+    asked = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
+    spaces = []
+    for space in world.spaces:
+        forces = np.zeros((len(space.bodies) + 2, 3))
+        forces[: len(space.bodies)] = np.random.default_rng(0).normal(size=(len(space.bodies), 3))
+        command, report = batch.Buffer(), batch.Buffer()
+        command.set_float_buf(forces)
+        spaces.append((space, command, report))
+    began = time.perf_counter()
+    for _ in range(steps):
+        for space, command, report in spaces:
+            for _ in range(substeps):
+                batch.set_space_bodies(space, told, command)
+                space.step(0.05 / substeps)
+                report.clear()
+                batch.get_space_bodies(space, asked, report)
+                np.frombuffer(report.float_buf())
+    return (time.perf_counter() - began) / steps
+
+
+def vmas_run(num_worlds: int, steps: int) -> Callable[[], float]:
+    """A function that times VMAS's two-agent transport: seconds a batched step."""
+    import torch
+
+    vmas: Any = import_module("vmas")
+    torch.set_num_threads(1)
+    env = vmas.make_env("transport", num_envs=num_worlds, n_agents=2, device="cpu", seed=0)
+    env.reset()
+    generator = torch.Generator().manual_seed(0)
+    actions = [2 * torch.rand(num_worlds, 2, generator=generator) - 1 for _ in env.agents]
+
+    def run() -> float:
+        began = time.perf_counter()
+        for _ in range(steps):
+            env.step(actions)
+        return (time.perf_counter() - began) / steps
+
+    return run
+
+
+def single_gymnasium() -> float:
+    """Steps a second of ``gymnasium.make``'s environment without its wrappers, median."""
+    env = gymnasium.make("coopenv/BeamTransport-v0").unwrapped
+    actions = np.random.default_rng(0).uniform(-1, 1, (150, 6)).astype(np.float32)
+    rates = []
+    for repeat in range(REPEATS + 1):
+        env.reset(seed=repeat)
+        began = time.perf_counter()
+        for action in actions:
+            env.step(action)
+        rates.append(len(actions) / (time.perf_counter() - began))
+    return median(rates[1:])
+
+
+def tables() -> list[tuple[str, list[str], list[list[str]]]]:
+    """Title, columns and rows of what this module measures."""
+    lines = []
+    for num_worlds in SIZES:
+        row = compare(num_worlds)
+        lines.append(
+            [
+                f"{num_worlds:,}",
+                f"{row.full:.2f}",
+                f"{row.bare_same:.2f}",
+                f"{row.bare_five:.2f}",
+                f"{row.ratio:.2f}",
+                f"{1e6 / row.full:,.0f}",
+                "not installed" if row.vmas is None else f"{1e6 / row.vmas:,.0f}",
+                "" if row.vmas is None else f"{row.vmas / row.full:.1f} ×",
+            ]
+        )
+    columns = [
+        "worlds",
+        "full step [µs/world]",
+        "bare, same substeps",
+        "bare, 5 substeps",
+        "full / bare 5",
+        "coopenv [steps/s]",
+        "VMAS transport [steps/s]",
+        "ratio",
+    ]
+    single = [[f"{single_gymnasium():,.0f}", f"≥ {TARGET_SINGLE:,}"]]
+    return [
+        (f"Full step (target: ≤ {TARGET_RATIO} × five bare substeps from 256)", columns, lines),
+        ("gymnasium.make(...).unwrapped, one world", ["steps/s", "target"], single),
+    ]
