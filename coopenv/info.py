@@ -71,5 +71,5 @@ def one(info: Info, k: int) -> Info:
         if isinstance(value, dict):
             single[name] = one(value, k)
         else:
-            single[name] = value[k] if value.ndim > 1 else value[k].item()
+            single[name] = value[k] if value.ndim > 1 else value.item(k)
     return single

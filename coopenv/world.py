@@ -97,7 +97,7 @@ class World:
         `pose`, `twist` and `contact_impulse` become fresh arrays; the old ones stay as they were.
         """
         before = self.pose, self.twist
-        self.pose, self.twist = np.empty_like(self.pose), np.empty_like(self.twist)
+        self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
 
         def advance(number: int) -> None:

@@ -4,6 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+from numba import njit
+
 from coopenv.arrays import FloatArray, positive
 from coopenv.errors import InvalidInput
 from coopenv.transition import State, Transition
@@ -40,8 +43,8 @@ class PotentialShaping:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``, the same for every agent."""
         before, after = self.potential(transition.state), self.potential(transition.next_state)
-        gain = self.discount * after * ~transition.terminated - before
-        return transition.per_agent(gain, self.weight)
+        num_agents = transition.team.num_agents
+        return _gain(before, after, transition.terminated, self.discount, self.weight, num_agents)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,3 +56,12 @@ class Progress(PotentialShaping):
 
     potential: Potential = closeness
     discount: float = 1.0
+
+
+@njit(cache=True)
+def _gain(before, after, terminated, discount, weight, num_agents):  # pragma: no cover - compiled
+    gain = np.empty((len(before), num_agents))
+    for k in range(len(before)):
+        later = 0.0 if terminated[k] else discount * after[k]
+        gain[k, :] = weight * (later - before[k])
+    return gain
