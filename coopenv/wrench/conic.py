@@ -54,7 +54,8 @@ def _solve_batch(
     all_grips = np.broadcast_to(grips, (*batch, *grips.shape[-2:]))
     manipulation = _agreeing(wrenches, grips.shape[-1])
     gap = np.zeros(batch)
-    for index in map(tuple, np.argwhere(np.isnan(manipulation[..., 0, 0]))):
+    open_samples = np.argwhere(np.isnan(manipulation[..., 0, 0])).tolist()
+    for index in map(tuple, open_samples):
         manipulation[index], gap[index] = _solve_sample(
             wrenches[index], all_grips[index], torque_weight, include_induced, index
         )
@@ -185,7 +186,11 @@ def _cost(wrench: FloatArray, grips: FloatArray, weights: tuple[float, float, fl
 def _balanced(manipulation: FloatArray, applied: FloatArray, grips: FloatArray) -> FloatArray:
     """Remove what the solver left of G (h − h_M), from the parts in proportion to their size."""
     matrix = grasp_matrix(grips)
-    weight = np.abs(applied).ravel()
+    dimension = grips.shape[-1]
+    weight = np.empty_like(applied)
+    weight[:, :dimension] = np.linalg.norm(applied[:, :dimension], axis=-1, keepdims=True)
+    weight[:, dimension:] = np.linalg.norm(applied[:, dimension:], axis=-1, keepdims=True)
+    weight = weight.ravel()
     missing = matrix @ (applied - manipulation).ravel()
     step = weight * np.linalg.lstsq(matrix * weight, missing)[0]
     return manipulation + step.reshape(manipulation.shape)

@@ -65,7 +65,7 @@ def decompose(
         virtual_masses=virtual_masses,  # pyright: ignore[reportArgumentType]  # made a tuple there
         virtual_inertias=virtual_inertias,  # pyright: ignore[reportArgumentType]
     )
-    return Decomposer(grips, settings)(finite_array(applied, "applied"))
+    return Decomposer(grips, settings)(finite_array(applied, "applied").copy())
 
 
 class Decomposer:
@@ -97,6 +97,9 @@ class Decomposer:
         self._level_parameters = measures.level_parameters(
             settings.torque_weight, settings.include_induced, settings.plausible
         )
+
+    def __reduce__(self):
+        return Decomposer, (self.grips, self.settings)
 
     def __call__(self, applied: FloatArray) -> "Decomposition":
         """Decompose wrenches whose numbers were checked before.
@@ -155,6 +158,14 @@ class Decomposition:
         self.manipulation = manipulation
         self._gap = gap
         self._decomposer = decomposer
+
+    def __repr__(self) -> str:
+        num_effectors, size = self.applied.shape[-2:]
+        space = "plane" if size == 3 else "space"
+        return (
+            f"<Decomposition of {self.applied.shape[:-2]} wrenches of {num_effectors} effectors in "
+            f"the {space}, method={self.settings.method!r}, solver={self.solver!r}>"
+        )
 
     @property
     def grips(self) -> FloatArray:

@@ -126,15 +126,19 @@ def require_wrench_per_grip(applied: FloatArray, grips: FloatArray) -> None:
             f"applied must be of shape (..., {expected[0]}, {expected[1]}) for grips of shape "
             f"{grips.shape}, got {applied.shape}; give one wrench [force, torque] per grip"
         )
-    if grips.ndim > 2:
-        try:
-            np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-        except ValueError as error:
-            raise InvalidInput(
-                f"applied must be of a batch shape that broadcasts against that of grips "
-                f"{grips.shape[:-2]}, got {applied.shape[:-2]}; give grips of shape "
-                f"{grips.shape[-2:]} or one set per sample"
-            ) from error
+    require_batch("applied", applied.shape[:-2], grips)
+
+
+def require_batch(name: str, batch: tuple[int, ...], grips: FloatArray) -> None:
+    """Raise `InvalidInput` unless a batch shape goes with that of the grips."""
+    try:
+        np.broadcast_shapes(batch, grips.shape[:-2])
+    except ValueError as error:
+        raise InvalidInput(
+            f"{name} must be of a batch shape that broadcasts against that of grips "
+            f"{grips.shape[:-2]}, got {batch}; give grips of shape {grips.shape[-2:]} or one set "
+            "per sample"
+        ) from error
 
 
 def wrench_size(dimension: int) -> int:

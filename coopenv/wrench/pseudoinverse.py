@@ -7,7 +7,13 @@ import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.wrench.grasp import checked_grips, grasp_matrix, sum_at_centre, wrench_size
+from coopenv.wrench.grasp import (
+    checked_grips,
+    grasp_matrix,
+    require_batch,
+    sum_at_centre,
+    wrench_size,
+)
 
 if TYPE_CHECKING:
     from coopenv.wrench.methods import Prepared
@@ -68,6 +74,7 @@ def allocate(
             f"object_wrench must be of shape (..., {size}) for grips of shape {grips.shape}, got "
             f"{wanted.shape}; give [force, torque] at the centre of mass"
         )
+    require_batch("object_wrench", wanted.shape[:-1], grips)
     return _apply(_inverse(grips, method, virtual_masses, virtual_inertias), wanted, grips)
 
 

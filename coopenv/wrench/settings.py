@@ -49,9 +49,9 @@ class Settings:
     virtual_inertias: tuple[Nested, ...] | None = None  # [kg m²]
 
     def __post_init__(self):
-        if self.method not in METHODS:
+        if not isinstance(self.method, str) or self.method not in METHODS:
             raise UnknownName("method", self.method, METHODS)
-        if self.solver != "auto" and self.solver not in SOLVERS:
+        if not isinstance(self.solver, str) or self.solver not in ("auto", *SOLVERS):
             raise UnknownName("solver", self.solver, ["auto", *SOLVERS])
         if self.solver != "auto" and self.method != "optimal":
             raise InvalidInput(
@@ -65,7 +65,9 @@ class Settings:
                 "the wrench has no cost: take a value close to it, or 0.5"
             )
         object.__setattr__(self, "torque_weight", weight)
-        if self.include_induced not in (False, True):
+        if not isinstance(self.include_induced, bool | int | np.bool_) or (
+            self.include_induced not in (0, 1)
+        ):
             raise InvalidInput(
                 f"include_induced must be True or False, got {self.include_induced!r}; pass a bool"
             )

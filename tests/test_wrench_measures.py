@@ -1,0 +1,134 @@
+import numpy as np
+import pytest
+
+from coopenv import wrench
+from coopenv.errors import InvalidInput
+
+BEAM = [[-0.9, 0.0], [0.9, 0.0]]
+
+
+def random_case(dimension, seed=0, num_effectors=3):
+    rng = np.random.default_rng(seed)
+    grips = rng.normal(size=(num_effectors, dimension))
+    applied = rng.normal(size=(50, num_effectors, 3 * dimension - 3))
+    return applied, grips
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_load_shares_follow_equation_25(dimension):
+    applied, grips = random_case(dimension)
+    share = wrench.load_share(applied, grips)
+    at_centre = applied[..., dimension:] + wrench.induced_torque(applied, grips)
+    for parts, found in ((applied[..., :dimension], share.force), (at_centre, share.torque)):
+        total = parts.sum(axis=1, keepdims=True)
+        projection = (parts * total).sum(-1) / (total**2).sum(-1)
+        spent = np.abs(projection).sum(-1, keepdims=True)  # A / ‖f_o‖
+        theta = 2.0 / (spent + 1.0)  # eq. 23
+        np.testing.assert_allclose(found, theta * np.maximum(projection, 0.0), rtol=1e-12)
+        np.testing.assert_allclose(found.sum(-1), 1.0, rtol=1e-12)
+
+
+def test_load_shares_are_undefined_where_the_resultant_vanishes():
+    share = wrench.load_share([[1.0, 0.0, 0.0], [-1.0, 1e-10, 0.0]], BEAM)
+    assert np.isnan(share.force).all()
+    assert not np.isnan(share.torque).any()
+    share = wrench.load_share([[1.0, 0.0, 0.0], [-1.0, 1e-8, 0.0]], BEAM)
+    np.testing.assert_allclose(share.force, [0.0, 1.0])
+    nothing = wrench.load_share(np.zeros((2, 3)), BEAM)
+    assert np.isnan(nothing.force).all()
+    assert np.isnan(nothing.torque).all()
+
+
+def test_unequal_loads_are_no_disagreement():
+    d = wrench.decompose([[3.0, 0.0, 0.0], [1.0, 0.0, 0.0]], BEAM)
+    np.testing.assert_allclose(d.load_share.force, [0.75, 0.25])
+    assert d.internal_force_level == 0 == d.relative_cost
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_energy_shares_follow_equations_26_and_27(dimension):
+    applied, grips = random_case(dimension, seed=1)
+    twist = np.random.default_rng(2).normal(size=(50, 3 * dimension - 3))
+    share = wrench.energy_share(applied, grips, twist)
+    at_centre = applied[..., dimension:] + wrench.induced_torque(applied, grips)
+    linear = (applied[..., :dimension] * twist[:, None, :dimension]).sum(-1)
+    angular = (at_centre * twist[:, None, dimension:]).sum(-1)
+    for power, found in (
+        (linear + angular, share.total),
+        (linear, share.linear),
+        (angular, share.angular),
+    ):
+        net = power.sum(-1, keepdims=True)
+        theta = 2.0 / (np.abs(power / net).sum(-1, keepdims=True) + 1.0)
+        np.testing.assert_allclose(found, theta * np.maximum(power / net, 0.0), rtol=1e-9)
+    total = linear + angular
+    passed = 0.5 * (np.abs(total).sum(-1) - np.abs(total.sum(-1)))
+    np.testing.assert_allclose(share.internal_power, passed, atol=1e-12)
+
+
+def test_energy_shares_when_one_brakes():
+    share = wrench.energy_share([[3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]], BEAM, [2.0, 0.0, 0.0])
+    np.testing.assert_allclose(share.total, [1.0, 0.0])
+    assert share.internal_power == pytest.approx(2.0)
+    assert np.isnan(share.angular).all()
+
+
+def test_braking_together_is_shared_as_pushing_together():
+    share = wrench.energy_share([[-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]], BEAM, [2.0, 0.0, 0.0])
+    np.testing.assert_allclose(share.linear, [0.75, 0.25])
+
+
+def test_standing_still_has_no_energy_share():
+    share = wrench.energy_share(np.ones((4, 2, 3)), BEAM, np.zeros(3))
+    assert np.isnan(share.total).all()
+    np.testing.assert_array_equal(share.internal_power, np.zeros(4))
+
+
+def test_a_twist_of_another_shape_is_refused():
+    with pytest.raises(InvalidInput, match=r"twist must be of shape \(\.\.\., 3\)"):
+        wrench.energy_share(np.ones((4, 2, 3)), BEAM, np.ones(6))
+    d = wrench.decompose(np.ones((4, 2, 3)), BEAM)
+    with pytest.raises(InvalidInput, match=r"twist must be of shape .*, got \(5, 3\)"):
+        d.energy_share(np.ones((5, 3)))
+    with pytest.raises(InvalidInput, match="twist must be finite"):
+        d.energy_share([np.nan, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("include_induced", [False, True])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_costs_and_levels_follow_their_equations(dimension, include_induced):
+    applied, grips = random_case(dimension, seed=3)
+    d = wrench.decompose(
+        applied,
+        grips,
+        method="moore_penrose",
+        torque_weight=0.3,
+        include_induced=include_induced,
+    )
+
+    def norm(vectors):
+        return np.linalg.norm(vectors, axis=-1).sum(axis=-1)
+
+    def cost(h):  # eq. 17
+        torque = norm(h[..., dimension:])
+        induced = norm(wrench.induced_torque(h, grips))
+        return 0.7 * norm(h[..., :dimension]) + 0.3 * (torque + include_induced * induced)
+
+    np.testing.assert_allclose(d.cost, cost(d.manipulation), rtol=1e-12)
+    np.testing.assert_allclose(d.applied_cost, cost(applied), rtol=1e-12)
+    np.testing.assert_allclose(d.relative_cost, 1 - d.cost / d.applied_cost, atol=1e-12)
+    internal = d.internal
+    at_centre = internal[..., dimension:] + wrench.induced_torque(internal, grips)
+    np.testing.assert_allclose(d.internal_force_level, 0.5 * norm(internal[..., :dimension]))
+    np.testing.assert_allclose(d.internal_torque_level, 0.5 * norm(at_centre))
+
+
+def test_implausible_methods_may_have_a_negative_relative_cost():
+    d = wrench.decompose([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0]], BEAM, method="nonsqueezing")
+    assert d.relative_cost < 0
+
+
+def test_internal_torque_level_is_half_of_what_cancels():
+    d = wrench.decompose([[0.0, 0.0, 3.0], [0.0, 0.0, -1.0]], BEAM)
+    assert d.internal_torque_level == pytest.approx(1.0)
+    assert d.internal_force_level == 0.0
