@@ -57,6 +57,14 @@ def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:
     }
 
 
+def copied(info: Info) -> Info:
+    """A copy down to the arrays, so that what its owner does to it changes nothing here."""
+    return {
+        name: copied(value) if isinstance(value, dict) else value.copy()
+        for name, value in info.items()
+    }
+
+
 def replaced(value: Any, worlds: IntArray, other: Any) -> Any:
     """A copy of an array with the rows ``worlds`` set to ``other``."""
     copy = value.copy()

@@ -80,6 +80,11 @@ class Scene:
         """Whether a convex outline ``(v, 2)`` [m] keeps off every obstacle; walls are not asked."""
         return all(_apart(outline, obstacle.vertices) for obstacle in self.obstacles)
 
+    def is_free(self, x: float, y: float) -> bool:
+        """Whether a point [m] lies in the room and in no obstacle."""
+        in_room = abs(x) < self.size[0] / 2 and abs(y) < self.size[1] / 2
+        return in_room and self.is_clear(np.array([(x, y)]))
+
 
 def _rectangle(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
     return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])

@@ -12,7 +12,7 @@ from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput, ResetNeeded
-from coopenv.info import Info, replaced, start_info, step_info, with_worlds
+from coopenv.info import Info, copied, replaced, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.rewards import find_reward
 from coopenv.transition import State, Team, Transition
@@ -103,7 +103,8 @@ class Transport:
         mask
             ``(world,)`` bool.
         pose, goal
-            ``(3,)`` or ``(world, 3)``: start or goal instead of the drawn ones; world frame.
+            ``(3,)`` or ``(world, 3)``: start or goal instead of the drawn ones; world frame. A
+            start that reaches into a wall or an obstacle is pushed out of it.
 
         Returns
         -------
@@ -112,10 +113,12 @@ class Transport:
         Raises
         ------
         InvalidInput
-            If an argument has the wrong shape, or a world is left that never started.
+            If an argument has the wrong shape, a start is in something solid, or a world is
+            left that never started.
         """
         worlds = self._marked(mask)
         pose, goal = self._given(pose, "pose"), self._given(goal, "goal")
+        self._check_start(worlds, pose)
         self._seed(seed, worlds)
         drawn = np.array([self._sample(k) for k in worlds.tolist()])  # (reset world, 2, 3)
         drawn = drawn.reshape(-1, 2, 3)
@@ -131,7 +134,7 @@ class Transport:
             self.transition = self.transition.with_worlds(worlds, start)
             obs, info = replaced(self._obs, worlds, obs), with_worlds(self._info, worlds, info)
         self._obs, self._info = obs, info
-        return obs.copy(), dict(info)
+        return obs.copy(), copied(info)
 
     def step(
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None
@@ -187,7 +190,7 @@ class Transport:
         self._info = step_info(transition, parts)
         terminated, truncated = success.copy(), truncated.copy()
         if restart is None or not restart.any():
-            return self._obs.copy(), reward, terminated, truncated, dict(self._info)
+            return self._obs.copy(), reward, terminated, truncated, copied(self._info)
         obs, info = self.reset(mask=restart)
         reward[restart], terminated[restart], truncated[restart] = 0, False, False
         return obs, reward, terminated, truncated, info
@@ -255,20 +258,24 @@ class Transport:
         return self.config.task.sample(generator, self.bodies[k], self.scenes[k])
 
     def _seed(self, seed: Seed, worlds: IntArray) -> None:
-        if isinstance(seed, Sequence | np.ndarray) and len(seed) != self.num_worlds:
+        chosen = worlds.tolist()
+        for k, own in zip(chosen, self._seeds(seed, chosen), strict=True):
+            if own is not None or self.generators[k] is None:
+                self.generators[k] = seeding.np_random(own)[0]
+
+    def _seeds(self, seed: Seed, worlds: list[int]) -> list[int | None]:
+        """The seed of each of ``worlds``."""
+        if seed is None:
+            return [None] * len(worlds)
+        if not isinstance(seed, Sequence | np.ndarray):
+            first = whole(seed, "seed", at_least=0)
+            return [first + k for k in worlds]
+        if len(seed) != self.num_worlds:
             raise InvalidInput(
                 f"seed must be one number or one for each of {self.num_worlds} worlds, "
                 f"got {len(seed)}; world k of seed=s is seeded with s + k"
             )
-        for k in worlds.tolist():
-            if isinstance(seed, Sequence | np.ndarray):
-                own = seed[k]
-            else:
-                own = None if seed is None else seed + k
-            if own is not None:
-                own = whole(own, "seed", at_least=0)
-            if own is not None or self.generators[k] is None:
-                self.generators[k] = seeding.np_random(own)[0]
+        return [None if seed[k] is None else whole(seed[k], "seed", at_least=0) for k in worlds]
 
     def _marked(self, mask: BoolArray | None) -> IntArray:
         if mask is None:
@@ -296,6 +303,18 @@ class Transport:
                 "give x, y [m] and θ [rad]"
             )
         return np.broadcast_to(given, (self.num_worlds, 3)).copy()
+
+    def _check_start(self, worlds: IntArray, pose: FloatArray | None) -> None:
+        """Raise where a given start is in a wall, an obstacle or another world's room."""
+        if pose is None:
+            return
+        for k in worlds.tolist():
+            if not self.scenes[k].is_free(*pose[k, :2].tolist()):
+                raise InvalidInput(
+                    f"pose must put the centre of mass inside the room of {self.scenes[k].size} m "
+                    f"and off its obstacles, got {pose[k].tolist()} in world {k}; the origin is "
+                    "the room's centre"
+                )
 
     def _why_reset(self, still: BoolArray) -> str:
         if self.transition is None:

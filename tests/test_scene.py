@@ -8,11 +8,12 @@ from coopenv.errors import InvalidInput
 from coopenv.scene import WALL_THICKNESS
 
 
-def inside(point, polygon):
-    """Whether a point lies in a counter-clockwise convex polygon."""
+def inside(points, polygon):
+    """Whether any of the points ``(..., 2)`` lies in a counter-clockwise convex polygon."""
     edges = np.roll(polygon, -1, axis=0) - polygon
-    away = np.asarray(point) - polygon
-    return bool((edges[:, 0] * away[:, 1] - edges[:, 1] * away[:, 0] >= 0).all())
+    away = np.asarray(points)[..., None, :] - polygon
+    left = edges[:, 0] * away[..., 1] - edges[:, 1] * away[..., 0] >= 0
+    return bool(left.all(axis=-1).any())
 
 
 def test_walls_enclose_the_room_and_nothing_of_it():
@@ -60,9 +61,7 @@ def test_clear_means_no_overlap_at_any_angle():
         outline = square @ np.array([[c, s], [-s, c]]) + (x, y)
         # dense points of each polygon against the other: overlap without separating axes
         weights = generator.dirichlet(np.ones(4), 300)
-        touch = any(inside(p, box) for p in weights @ outline) or any(
-            inside(p, outline) for p in weights @ box
-        )
+        touch = inside(weights @ outline, box) or inside(weights @ box, outline)
         clear = scene.is_clear(outline)
         assert not (clear and touch)
         seen.add(clear)
@@ -73,6 +72,15 @@ def test_a_cross_overlaps_although_no_corner_is_inside():
     scene = Scene(obstacles=(Box(center=(0.0, 0.0), size=(4.0, 0.2)),))
     assert not scene.is_clear(Box(center=(0.0, 0.0), size=(0.2, 4.0)).vertices)
     assert scene.is_clear(Box(center=(2.2, 0.0), size=(0.2, 4.0)).vertices)
+
+
+def test_a_point_is_free_inside_the_room_and_off_the_obstacles():
+    scene = Scene(size=(4.0, 3.0), obstacles=(Box(center=(1.0, 0.5), size=(1.0, 0.2), angle=0.3),))
+    assert scene.is_free(0.0, 0.0)
+    assert not scene.is_free(1.0, 0.5)
+    assert scene.is_free(1.0, 0.8)
+    assert not scene.is_free(2.1, 0.0)
+    assert not scene.is_free(0.0, -1.6)
 
 
 def test_scenes_of_equal_values_are_equal_and_can_be_keys():
