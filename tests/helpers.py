@@ -1,6 +1,6 @@
 """What several test modules share."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
@@ -126,11 +126,3 @@ def corners(pose: npt.NDArray[np.float64], body: Body) -> npt.NDArray[np.float64
     x, y = np.array(body.outline).T
     turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)
     return turned + pose[..., None, :2]
-
-
-def drive(core: coopenv.Transport, plan: npt.NDArray[np.float64]) -> list[Any]:
-    """Every step's result under ``plan`` ``(step, world, agent, a)``, with pose and twist."""
-    return [(core.step(action), core.world.pose, core.world.twist) for action in plan]
-
-
-Make = Callable[..., Any]
