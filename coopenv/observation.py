@@ -151,7 +151,7 @@ class Observation:
         self.high = np.repeat([block.high for block in chosen], sizes).astype(np.float32)
         self._chosen = chosen
         self._view = view_slices(num_agents)
-        self._is_whole_view = tuple(self.blocks) == VIEW_PARTS
+        self._is_whole_view = chosen == [BLOCKS[name] for name in VIEW_PARTS]
 
     def __call__(self, transition: Transition) -> npt.NDArray[np.float32]:
         """What every agent sees after ``transition``: ``(world, agent, size)``, a fresh array."""
@@ -179,6 +179,11 @@ def _checked(value: FloatArray, shape: tuple[int, ...], block: Block) -> FloatAr
 def find_block(block: str | Block) -> Block:
     """The block of that name; a `Block` is returned as it is."""
     if isinstance(block, Block):
+        if block.read is None and block != BLOCKS.get(block.name):
+            raise InvalidInput(
+                f"read must be given for a block of your own, got None for {block.name!r}; "
+                "pass a function of a transition"
+            )
         return block
     if block not in BLOCKS:
         raise UnknownName("observe", block, BLOCKS)
