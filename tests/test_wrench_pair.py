@@ -138,7 +138,8 @@ def test_balance_and_plausibility_hold_for_any_wrench(applied, levers, angle, w,
 def test_turning_everything_changes_no_cost(applied, levers, angle, w, s):
     straight = solve(applied, grips_on_line(levers, 0.0), w, s)
     turned = solve(rotated(applied, angle), grips_on_line(levers, angle), w, s)
-    assert turned.cost == pytest.approx(straight.cost, rel=1e-9, abs=1e-12)
+    # a force across the line touches its ball there: rounding ε of the input moves the cost by √ε
+    assert turned.cost == pytest.approx(straight.cost, rel=1e-7, abs=1e-12)
 
 
 @given(applied=pair_wrenches, levers=levers, w=torque_weights, s=st.booleans())

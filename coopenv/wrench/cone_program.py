@@ -42,8 +42,8 @@ class ConeProgram:
         self._cost: list[float] = []
         self._cones: list[Any] = []
         self._right: list[FloatArray] = []
-        self._rows: list[Any] = []
-        self._columns: list[Any] = []
+        self._rows: list[int] = []
+        self._columns: list[int] = []
         self._entries: list[FloatArray] = []
         self._num_rows = 0
 
@@ -103,16 +103,16 @@ class ConeProgram:
         settings.max_threads = 1
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         shape = (self._num_rows, len(self._cost))
-        indices = (np.concatenate(self._rows), np.concatenate(self._columns))
-        matrix = sparse.csc_matrix((np.concatenate(self._entries), indices), shape)
+        entries = np.concatenate(self._entries)
+        matrix = sparse.csc_matrix((entries, (self._rows, self._columns)), shape)
         nothing = sparse.csc_matrix((shape[1], shape[1]))
         cost, right = np.array(self._cost) / self.cost_unit, np.concatenate(self._right)
         return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
 
     def _place(self, columns: list[int], block: FloatArray) -> None:
-        rows = np.arange(self._num_rows, self._num_rows + len(block))
-        self._rows.append(np.repeat(rows, len(columns)))
-        self._columns.append(np.tile(np.array(columns, dtype=np.int64), len(block)))
+        for row in range(self._num_rows, self._num_rows + len(block)):
+            self._rows += [row] * len(columns)
+            self._columns += columns
         self._entries.append(block.ravel())
 
     def _close(self, cone: Callable[[int], Any], size: int, right: Any) -> None:

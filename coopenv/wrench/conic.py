@@ -114,9 +114,11 @@ def _program(
     largest_force = np.linalg.norm(forces, axis=-1).max()  # [N]
     largest_torque = max(np.linalg.norm(torques, axis=-1).max(), longest * largest_force)  # [N·m]
     program = ConeProgram(cost_unit=_cost(applied, grips, weights))
+    matrix = grasp_matrix(grips)
+    blocks = np.split(matrix, len(grips), axis=1)
     parts = []
-    for force, torque, grip in zip(forces, torques, grips, strict=True):
-        cross = grasp_matrix(grip[None])[dimension:, :dimension]  # S(r_i)
+    for force, torque, grip, block in zip(forces, torques, grips, blocks, strict=True):
+        cross = block[dimension:, :dimension]  # S(r_i)
         lever, induced = np.linalg.norm(grip), cross @ force
         has_lever = bool(lever > NEGLIGIBLE * longest)
         radial = bool(np.linalg.norm(induced) <= PARALLEL * np.linalg.norm(force) * lever)
@@ -127,10 +129,12 @@ def _program(
             _limit_induced(program, force_part.mapped(cross), induced, weights[1])
     unit = np.full(applied.shape[-1], largest_force)
     unit[dimension:] = largest_torque or 1.0
-    matrix = grasp_matrix(grips) / unit[:, None]
-    blocks = np.split(matrix, len(grips), axis=1)
-    balance = [_stacked(*part).mapped(block) for part, block in zip(parts, blocks, strict=True)]
-    program.zero(*balance, Affine([], np.zeros((len(unit), 0)), -matrix @ applied.ravel()))
+    balance = [
+        _stacked(*part).mapped(block / unit[:, None])
+        for part, block in zip(parts, blocks, strict=True)
+    ]
+    supplied = matrix @ applied.ravel() / unit
+    program.zero(*balance, Affine([], np.zeros((len(unit), 0)), -supplied))
     return program, parts
 
 

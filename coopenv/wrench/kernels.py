@@ -7,6 +7,10 @@ from numba import guvectorize
 from numba.np.ufunc.wrappers import GufWrapperCache
 
 
+COMPILED: dict[str, Any] = {"error_model": "numpy", "cache": True}
+"""Options of the helpers that kernels call: ``@njit(**COMPILED)``; no checks for division by zero."""
+
+
 def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:
     """Compile a float64 kernel to a NumPy gufunc that broadcasts over any batch shape.
 

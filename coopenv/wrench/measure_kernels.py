@@ -8,13 +8,13 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.kernels import gufunc
+from coopenv.wrench.kernels import COMPILED, gufunc
 
 UNDEFINED = 1e-9  # a resultant smaller than this fraction of its summands has no shares
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _wrench(wrench, i):
     """Force and torque of effector i in three dimensions."""
     if wrench.shape[1] == 3:
@@ -22,7 +22,7 @@ def _wrench(wrench, i):
     return wrench[i, 0], wrench[i, 1], wrench[i, 2], wrench[i, 3], wrench[i, 4], wrench[i, 5]
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _moment(grips, i, fx, fy, fz):
     """Torque about the centre of mass, r_i × f."""
     x, y = grips[i, 0], grips[i, 1]
@@ -30,12 +30,12 @@ def _moment(grips, i, fx, fy, fz):
     return y * fz - z * fy, z * fx - x * fz, x * fy - y * fx
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _norm(x, y, z):
     return sqrt(x * x + y * y + z * z)
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _cost(wrench, i, grips, w, induced):
     """Summand i of the cost (eq. 17)."""
     fx, fy, fz, tx, ty, tz = _wrench(wrench, i)
@@ -73,7 +73,7 @@ def level_kernel(applied, manipulation, grips, parameters, result):
     result[3], result[4] = force_level, torque_level
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _normalise(parts, resultant, magnitude):
     """Turn parts into shares (eqs. 22-23); NaN where the resultant vanishes."""
     positive = 0.0
@@ -85,7 +85,7 @@ def _normalise(parts, resultant, magnitude):
             parts[i] = np.nan
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _at_centre(applied, grips, i):
     """Force, and torque at the centre of mass, of effector i (eq. 4)."""
     fx, fy, fz, tx, ty, tz = _wrench(applied, i)

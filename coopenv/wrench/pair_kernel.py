@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.kernels import gufunc
+from coopenv.wrench.kernels import COMPILED, gufunc
 
 TIE = 1e-12  # relative surcharge on pure torque: among equal costs the smallest Σ‖t_M‖ wins
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
@@ -14,7 +14,13 @@ VANISHED = 1e-15  # a force this small, relative to the largest wrench component
 MAX_STEPS = 100  # of the root finder; it needs about 8
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
+def _nonzero(x):
+    """Keep away from 0, on the same side of it."""
+    return max(x, TINY) if x >= 0.0 else min(x, -TINY)
+
+
+@njit(**COMPILED)
 def _slice(v, dx, dy):
     """Extent in u, at height v, of the disc with diameter 0 to (dx, dy); no cancellation."""
     half = 0.5 * abs(dx)
@@ -24,7 +30,7 @@ def _slice(v, dx, dy):
     return (near, far) if dx >= 0.0 else (-far, -near)
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _vertex(forces):
     """Height of the lens' second vertex: the foot of the perpendicular from 0 on f_1 to −f_2."""
     f1x, f1y, f2x, f2y = forces
@@ -32,7 +38,7 @@ def _vertex(forces):
     return fx * (f2x * f1y - f2y * f1x) / max(fx * fx + fy * fy, TINY)
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _lens_extent(forces):
     """Lowest and highest v in the lens: a vertex, or one disc's end where the other contains it."""
     f1x, f1y, f2x, f2y = forces
@@ -52,7 +58,7 @@ def _lens_extent(forces):
     return max(low, min(lowest, 0.0)), min(high, max(highest, 0.0))
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _interval(forces, t1, t2, a1, a2, lever):
     """Interval of feasible v: induced torques, pure torques, and the lens where it is narrower."""
     _, f1y, _, f2y = forces
@@ -64,7 +70,7 @@ def _interval(forces, t1, t2, a1, a2, lever):
     if a1 == 0.0 or a2 == 0.0:
         lens_low, lens_high = _lens_extent(forces)
         low, high = max(low, lens_low), min(high, lens_high)
-    divisor = lever if lever != 0.0 else 1.0
+    divisor = _nonzero(lever)
     take = (max(t1, 0.0) + max(t2, 0.0)) / divisor
     give = -(min(t1, 0.0) + min(t2, 0.0)) / divisor
     if lever != 0.0:  # lever·v may take up to all positive, give up to all negative pure torque
@@ -72,7 +78,7 @@ def _interval(forces, t1, t2, a1, a2, lever):
     return low, high
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _best_u(forces, v):
     """Heron's point, where |f_M,1| + |f_M,2| is least at height v, clipped to the lens."""
     f1x, f1y, f2x, f2y = forces
@@ -86,7 +92,7 @@ def _best_u(forces, v):
     return min(max(u, low), high)
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _arc(v, dx, dy, side):
     """Right (side 1) or left (-1) end of a disc at height v, and the unit tangent upwards there."""
     left, right = _slice(v, dx, dy)
@@ -96,7 +102,7 @@ def _arc(v, dx, dy, side):
     return (right if side > 0.0 else left), tangent_x, tangent_y
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _direction(x, y, tangent_x, tangent_y, sign):
     """Unit vector of a force; one that vanishes does so along the tangent."""
     force = sqrt(x * x + y * y)
@@ -106,7 +112,7 @@ def _direction(x, y, tangent_x, tangent_y, sign):
     return sign * tangent_x, sign * tangent_y
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _slope(v, forces, weights, piece):
     """Derivative of the cost along the path (best u(v), v), of the sign of d cost / d v.
 
@@ -132,7 +138,7 @@ def _slope(v, forces, weights, piece):
     return force_weight * (sign2 - sign1) * steepness + climb
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _root(a, slope_a, b, slope_b, forces, weights, piece):
     """Zero of the slope between a and b (slope_a < 0 < slope_b), by Chandrupatla's method."""
     c, slope_c = a, slope_a
@@ -161,7 +167,7 @@ def _root(a, slope_a, b, slope_b, forces, weights, piece):
     return best
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _edges(forces, low, high, no_torque, a1, a2):
     """Ends and kinks of the cost in ascending order; kinks outside fall on an end."""
     no_torque = min(max(no_torque, low), high)
@@ -182,7 +188,7 @@ def _edges(forces, low, high, no_torque, a1, a2):
     return (low, k1, k2, k3, k4, k5, high)
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _piece(forces, applied_torque, lever, v):
     """What stays the same between two kinks: the bounding arcs and the signs of f_y and T."""
     f1x, f1y, f2x, f2y = forces
@@ -194,7 +200,7 @@ def _piece(forces, applied_torque, lever, v):
     return (low1 >= low2, high1 <= high2, sign1, sign2, sign_torque)
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, a2):
     """Minimiser v of the convex cost on [low, high]; exact where it is a kink or an end."""
     edges = _edges(forces, low, high, no_torque, a1, a2)
@@ -212,7 +218,7 @@ def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, 
     return high
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _solve(f1x, f1y, f2x, f2y, t1, t2, a1, a2, w, induced):
     """Best internal force (u, v) on effector 1 and the pure torque T that remains needed."""
     lever = a1 - a2
@@ -222,7 +228,7 @@ def _solve(f1x, f1y, f2x, f2y, t1, t2, a1, a2, w, induced):
     weights = (1.0 - w, induced * w * abs(a1), induced * w * abs(a2), w * (1.0 + TIE) * lever)
     v = low
     if high > low:
-        no_torque = -applied_torque / (lever if lever != 0.0 else 1.0)
+        no_torque = -applied_torque / _nonzero(lever)
         v = _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, a2)
     u = _best_u(forces, v)
     torque = applied_torque + lever * v
@@ -231,7 +237,7 @@ def _solve(f1x, f1y, f2x, f2y, t1, t2, a1, a2, w, induced):
     return u, v, torque
 
 
-@njit(error_model="numpy", cache=True)
+@njit(**COMPILED)
 def _share(own, other, torque):
     """Fraction of an effector's torque that is needed: in proportion among those of T's sign."""
     if own * torque <= 0.0:
