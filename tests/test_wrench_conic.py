@@ -127,6 +127,6 @@ def test_forces_at_the_centre_of_mass_are_a_point_mass():
 
 def test_a_solver_that_gives_up_raises(monkeypatch):
     solved = ConeProgram.solve
-    monkeypatch.setattr(ConeProgram, "solve", lambda self, _: solved(self, 1e300))
+    monkeypatch.setattr(ConeProgram, "solve", lambda self, *_: solved(self, 1e300, False))
     with pytest.raises(SolverError, match=r"Clarabel stopped with status .* at sample \(1,\)"):
         solve([[[0.0] * 3] * 3, [[1.0, 0, 0], [0, 1.0, 0], [-1, -1, 0.5]]], TRIANGLE)

@@ -90,17 +90,20 @@ class ConeProgram:
         for column, factor in zip(scalar.columns, scalar.block[0], strict=True):
             self._cost[column] += cost * sign * factor
 
-    def solve(self, tolerance: float) -> Any:
+    def solve(self, tolerance: float, equilibrate: bool) -> Any:
         """Run Clarabel and return its solution, however far it came.
 
         Parameters
         ----------
         tolerance
             On feasibility and gap, in the units of the program.
+        equilibrate
+            Whether Clarabel chooses units of its own.
         """
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
+        settings.equilibrate_enable = equilibrate
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         shape = (self._num_rows, len(self._cost))
         entries = np.concatenate(self._entries)

@@ -6,9 +6,8 @@ from typing import Any
 from numba import guvectorize
 from numba.np.ufunc.wrappers import GufWrapperCache
 
-
 COMPILED: dict[str, Any] = {"error_model": "numpy", "cache": True}
-"""Options of the helpers that kernels call: ``@njit(**COMPILED)``; no checks for division by zero."""
+"""Options of the helpers that kernels call, ``@njit(**COMPILED)``: dividing by zero is no error."""
 
 
 def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:
