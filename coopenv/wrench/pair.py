@@ -7,6 +7,11 @@ for a given v is known in closed form. What remains is a convex function of v on
 contains 0. It is cut at its kinks; the derivative at both ends of each piece says whether the
 minimum lies on a kink (exact) or inside a piece (root of the derivative).
 
+Where several answers cost the same, the one with the least pure torque Σ‖t_M‖ is taken, and pure
+torques of the sign that is needed are shared in proportion to what was applied (as eq. 23 does).
+The internal levels F_I and T_I can jump where costs tie, as at ±1 m with w = 0.5 and s = 0, where
+torque costs the same through forces and by itself; the cost never does.
+
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction to one dimension is our own.
 """
 

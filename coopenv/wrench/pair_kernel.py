@@ -168,23 +168,27 @@ def _root(a, slope_a, b, slope_b, forces, weights, piece):
 
 
 @njit(**COMPILED)
+def _ordered(a, b):
+    return min(a, b), max(a, b)
+
+
+@njit(**COMPILED)
 def _edges(forces, low, high, no_torque, a1, a2):
     """Ends and kinks of the cost in ascending order; kinks outside fall on an end."""
-    no_torque = min(max(no_torque, low), high)
     vertex = min(max(_vertex(forces), low), high)
-    k1, k2 = min(no_torque, vertex), max(no_torque, vertex)
+    k1, k2 = _ordered(min(max(no_torque, low), high), vertex)
     if a1 != 0.0 and a2 != 0.0:  # then forces keep their sign across the line, and so does v
         return (low, k1, k2, high, high, high, high)
-    k3, k4 = min(max(0.0, low), high), min(max(forces[1], low), high)
-    k5 = min(max(-forces[3], low), high)
-    k3, k4 = min(k3, k4), max(k3, k4)
-    k1, k3 = min(k1, k3), max(k1, k3)
-    k2, k4 = min(k2, k4), max(k2, k4)
-    k2, k3 = min(k2, k3), max(k2, k3)
-    k4, k5 = min(k4, k5), max(k4, k5)
-    k3, k4 = min(k3, k4), max(k3, k4)
-    k2, k3 = min(k2, k3), max(k2, k3)
-    k1, k2 = min(k1, k2), max(k1, k2)
+    no_f1y, no_f2y = min(max(forces[1], low), high), min(max(-forces[3], low), high)
+    k3, k4 = _ordered(no_f1y, no_f2y)
+    k5 = min(max(0.0, low), high)
+    k1, k3 = _ordered(k1, k3)  # merge two sorted pairs,
+    k2, k4 = _ordered(k2, k4)
+    k2, k3 = _ordered(k2, k3)
+    k4, k5 = _ordered(k4, k5)  # and let the fifth sink to its place
+    k3, k4 = _ordered(k3, k4)
+    k2, k3 = _ordered(k2, k3)
+    k1, k2 = _ordered(k1, k2)
     return (low, k1, k2, k3, k4, k5, high)
 
 
