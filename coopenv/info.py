@@ -9,6 +9,8 @@ from coopenv.transition import Transition
 
 Info = dict[str, Any]  # name -> array with one entry a world, or a dict of such arrays
 
+UNDEFINED_AT_START = ("force_load_share", "torque_load_share")
+
 
 def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     """Infos of all worlds after a step.
@@ -44,7 +46,7 @@ def defined(info: Info) -> Info:
 
     For single environments: their checkers compare infos of resets, and NaN never equals itself.
     """
-    return {name: value for name, value in info.items() if not name.endswith("load_share")}
+    return {name: value for name, value in info.items() if name not in UNDEFINED_AT_START}
 
 
 def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:

@@ -1,13 +1,14 @@
 """What the views share: spaces, reset options, pictures."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from gymnasium.spaces import Box
 
-from coopenv.errors import UnknownName
+from coopenv.errors import InvalidInput, UnknownName
 from coopenv.transport import Transport
 
 RENDER_MODES = ["human", "rgb_array"]
@@ -36,10 +37,20 @@ def team_action_space(transport: Transport) -> "Box[np.float32]":
     return Box(-1.0, 1.0, (transport.num_agents * transport.action_size,), dtype=np.float32)
 
 
-def check_render_mode(mode: str | None) -> str | None:
-    """Return ``mode``, or raise `UnknownName` unless it is ``None`` or one of `RENDER_MODES`."""
-    if mode is not None and mode not in RENDER_MODES:
-        raise UnknownName("render_mode", mode, RENDER_MODES)
+def team_actions(
+    transport: Transport, action: npt.ArrayLike, shape: tuple[int, ...] | None
+) -> npt.NDArray[Any]:
+    """Joint actions of ``shape`` as the core takes them: ``(world, agent, action_size)``."""
+    given = np.asarray(action)
+    if given.shape != shape:
+        raise InvalidInput(f"action must have shape {shape}, got {given.shape}; see action_space")
+    return given.reshape(transport.num_worlds, transport.num_agents, transport.action_size)
+
+
+def check_render_mode(mode: str | None, known: Sequence[str]) -> str | None:
+    """Return ``mode``, or raise `UnknownName` unless it is ``None`` or ``known``."""
+    if mode is not None and mode not in known:
+        raise UnknownName("render_mode", mode, known)
     return mode
 
 
@@ -62,8 +73,8 @@ def start_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
 class Pictures:
     """Draws the worlds of a transport, each with a renderer made when it is first needed."""
 
-    def __init__(self, transport: Transport, mode: str | None):
-        self._transport, self._mode = transport, check_render_mode(mode)
+    def __init__(self, transport: Transport, mode: str | None, known: Sequence[str] = RENDER_MODES):
+        self._transport, self._mode = transport, check_render_mode(mode, known)
         self._renderers: dict[int, Any] = {}
 
     def draw(self, world: int = 0) -> Any:

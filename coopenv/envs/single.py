@@ -13,6 +13,7 @@ from coopenv.envs.common import (
     Pictures,
     start_options,
     team_action_space,
+    team_actions,
     team_observation_space,
 )
 from coopenv.transport import Transport
@@ -25,6 +26,9 @@ class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32
     its slice in one agent's part. Action: ``action_size`` numbers an agent, in [−1, 1], clipped.
     Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms averaged
     over the team.
+
+    ``horizon`` truncates. ``gymnasium.make(..., max_episode_steps=)`` puts Gymnasium's time limit
+    outside, of which the environment does not learn: it can stop an episode earlier, not later.
 
     Parameters
     ----------
@@ -54,8 +58,6 @@ class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32
         """Start an episode; ``options`` may give ``pose`` and ``goal`` (x, y, θ)."""
         given = start_options(options)
         super().reset(seed=seed)
-        if self.spec is not None and self.spec.max_episode_steps is not None:
-            self.transport.horizon = self.spec.max_episode_steps
         self.transport.generators[0] = self.np_random
         obs, info = self.transport.reset(**given)
         if self.render_mode == "human":
@@ -66,7 +68,7 @@ class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32
         self, action: npt.NDArray[np.float32]
     ) -> tuple[npt.NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Advance by one control step."""
-        joint = np.reshape(action, (1, self.transport.num_agents, -1))
+        joint = team_actions(self.transport, action, self.action_space.shape)
         obs, reward, terminated, truncated, info = self.transport.step(joint)
         if self.render_mode == "human":
             self.render()

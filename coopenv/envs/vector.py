@@ -11,14 +11,14 @@ from gymnasium.vector.utils import batch_space
 from coopenv.arrays import BoolArray
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
-    RENDER_MODES,
     Pictures,
     start_options,
     team_action_space,
+    team_actions,
     team_observation_space,
 )
 from coopenv.errors import UnknownName
-from coopenv.info import Info
+from coopenv.info import UNDEFINED_AT_START, Info
 from coopenv.transport import Seed, Transport
 
 
@@ -41,7 +41,7 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
-        "render_modes": RENDER_MODES,
+        "render_modes": ["rgb_array"],
         "render_fps": 20,
     }
 
@@ -56,8 +56,8 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         config = TransportConfig.parse(keywords)
         self.transport = Transport(num_worlds=num_envs, config=config)
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
-        self._pictures = Pictures(self.transport, render_mode)
-        self.num_envs, self.render_mode = num_envs, render_mode
+        self._pictures = Pictures(self.transport, render_mode, self.metadata["render_modes"])
+        self.num_envs, self.render_mode = self.transport.num_worlds, render_mode
         self.metadata = {
             **self.metadata,
             "render_fps": round(1 / self.transport.dt),
@@ -65,10 +65,10 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         }
         self.single_observation_space = team_observation_space(self.transport)
         self.single_action_space = team_action_space(self.transport)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_blocks = self.transport.observation.blocks
-        self._done = np.zeros(num_envs, dtype=np.bool_)
+        self._done = np.zeros(self.num_envs, dtype=np.bool_)
 
     def reset(
         self, *, seed: Seed = None, options: dict[str, Any] | None = None
@@ -80,23 +80,24 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         given = dict(options or {})
         mask = given.pop("reset_mask", None)
         obs, info = self.transport.reset(seed=seed, mask=mask, **start_options(given))
-        self._done[slice(None) if mask is None else np.asarray(mask)] = False
-        return self._joint(obs), self._vector_info(info)
+        started = np.ones(self.num_envs, dtype=np.bool_) if mask is None else np.array(mask)
+        self._done = self._done & ~started
+        return self._joint(obs), self._vector_info(info, present=started, started=started)
 
     def step(
         self, actions: npt.NDArray[np.float32]
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float64], BoolArray, BoolArray, Info]:
         """Advance every world by one control step."""
-        joint = np.reshape(actions, (self.num_envs, self.transport.num_agents, -1))
+        joint = team_actions(self.transport, actions, self.action_space.shape)
         restart = self._done if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         obs, reward, terminated, truncated, info = self.transport.step(joint, restart=restart)
         done = self._done = terminated | truncated
         if self.autoreset_mode is AutoresetMode.SAME_STEP and done.any():
             final = self._final(obs, info, done)
             obs, info = self.transport.reset(mask=done)
-            info = {**self._vector_info(info), **final}
+            info = {**self._vector_info(info, started=done), **final}
         else:
-            info = self._vector_info(info)
+            info = self._vector_info(info, started=restart)
         return self._joint(obs), reward.mean(axis=1), terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
@@ -112,11 +113,22 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
     def _joint(self, obs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         return obs.reshape(self.num_envs, -1)
 
-    def _vector_info(self, info: Info, mask: BoolArray | None = None) -> Info:
-        """Reward terms averaged over the team, and Gymnasium's ``_key`` mask beside each key."""
+    def _vector_info(
+        self, info: Info, *, present: BoolArray | None = None, started: BoolArray | None = None
+    ) -> Info:
+        """Reward terms averaged over the team, and Gymnasium's ``_key`` mask beside each key.
+
+        ``present`` marks the worlds that the info is of, ``started`` those that were just reset.
+        """
         terms = {name: term.mean(axis=1) for name, term in info["reward_terms"].items()}
-        present = np.ones(self.num_envs, dtype=np.bool_) if mask is None else mask
-        return _masked({**info, "reward_terms": terms}, present)
+        everywhere = np.ones(self.num_envs, dtype=np.bool_)
+        masked = _masked(
+            {**info, "reward_terms": terms}, everywhere if present is None else present
+        )
+        if started is not None:
+            for name in UNDEFINED_AT_START:
+                masked[f"_{name}"] &= ~started
+        return masked
 
     def _final(self, obs: npt.NDArray[np.float32], info: Info, done: BoolArray) -> Info:
         last = np.full(self.num_envs, None, dtype=object)
@@ -125,7 +137,7 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         return {
             "final_obs": last,
             "_final_obs": done.copy(),
-            "final_info": self._vector_info(info, done),
+            "final_info": self._vector_info(info, present=done),
             "_final_info": done.copy(),
         }
 
