@@ -73,15 +73,19 @@ def actions(seed: int, steps: int, *shape: int) -> npt.NDArray[np.float64]:
 
 
 def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Every leaf of nested dicts and tuples, with its path."""
+    """Every leaf of nested dicts, tuples and arrays of objects, with its path."""
     if isinstance(value, dict):
         for name, entry in value.items():
             yield from leaves(entry, f"{path}.{name}")
-    elif isinstance(value, tuple | list):
+    elif isinstance(value, tuple | list) or _holds_objects(value):
         for i, entry in enumerate(value):
             yield from leaves(entry, f"{path}[{i}]")
     else:
         yield path, value
+
+
+def _holds_objects(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.dtype.hasobject
 
 
 def assert_same(first: Any, second: Any, *, within: float = 0.0) -> None:
@@ -100,7 +104,7 @@ def assert_same(first: Any, second: Any, *, within: float = 0.0) -> None:
 def spoil(value: Any) -> None:
     """Overwrite every array and empty every dict in a nested result."""
     for _, leaf in list(leaves(value)):
-        if isinstance(leaf, np.ndarray) and leaf.dtype != object and leaf.flags.writeable:
+        if isinstance(leaf, np.ndarray) and leaf.flags.writeable:
             leaf[...] = 1 if leaf.dtype == np.bool_ else 77
     _empty(value)
 
@@ -115,7 +119,7 @@ def _empty(value: Any) -> None:
         value.clear()
 
 
-def parallel_actions(env: Any, joint: npt.NDArray[np.float64]) -> dict[str, Any]:
+def parallel_actions(env: Any, joint: npt.NDArray[Any]) -> dict[str, Any]:
     """One world's actions ``(agent, a)`` as a ParallelEnv takes them."""
     return {name: joint[i].astype(np.float32) for i, name in enumerate(env.possible_agents)}
 
