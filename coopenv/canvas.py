@@ -7,7 +7,6 @@ Only the window initialises a display.
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
-from functools import cache
 from math import ceil, floor
 from typing import Any, TypeAlias
 
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
-from coopenv.errors import MissingExtra
+from coopenv.errors import InvalidInput, MissingExtra
 
 Color: TypeAlias = tuple[int, int, int]
 Picture: TypeAlias = npt.NDArray[np.uint8]  # (height, width, 3)
@@ -56,8 +55,9 @@ class Canvas:
         box = self._pygame.Rect(floor(left), floor(top), 0, 0)
         box.size = (ceil(right) - box.left, ceil(bottom) - box.top)
         box = box.clip(self._surface.get_rect())
-        fine_size = (_FINE * box.width, _FINE * box.height)
-        enlarged = self._pygame.transform.scale(self._surface.subsurface(box), fine_size)
+        region = self._pygame.Surface(box.size, 0, 32)  # 32 bits are shrunk faster than 24
+        region.blit(self._surface, (0, 0), box)
+        enlarged = self._pygame.transform.scale(region, (_FINE * box.width, _FINE * box.height))
         yield Pen(self._pygame, enlarged, np.array(box.topleft))
         if box.width and box.height:
             self._surface.blit(self._pygame.transform.smoothscale(enlarged, box.size), box)
@@ -93,10 +93,8 @@ class Pen:
     ) -> None:
         """Draw a line through ``(v, 2)`` with round joints and ends."""
         line = np.asarray(points, dtype=np.float64)
-        start, end = (
-            line if closed else line[:-1],
-            np.roll(line, -1, axis=0)[: None if closed else -1],
-        )
+        path = np.concatenate([line, line[:1]]) if closed else line
+        start, end = path[:-1], path[1:]
         along = end - start
         length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-9)[:, None]
         side = width / 2 * _turned(along) / length
@@ -125,6 +123,8 @@ class Window:
         self._title, self._fps = title, fps
         self._clock = self._pygame.time.Clock()
         self._open = self._dismissed = False
+        names = (name for name in dir(self._pygame) if name.startswith("K_"))
+        self._codes = {getattr(self._pygame, name) for name in names}
 
     @property
     def is_open(self) -> bool:
@@ -136,34 +136,46 @@ class Window:
         if self._dismissed:
             return
         pygame, size = self._pygame, pixels.shape[1::-1]
-        surface = pygame.display.get_surface() if pygame.display.get_init() else None
-        if surface is None or surface.get_size() != size:
-            pygame.display.init()
-            surface = pygame.display.set_mode(size)
-        pygame.display.set_caption(self._title)
+        surface = self._surface(size)
         self._open = True
         surface.blit(pygame.image.frombuffer(pixels.tobytes(), size, "RGB"), (0, 0))
         pygame.display.flip()
-        if pygame.event.get(pygame.QUIT):
+        if any(event.type == pygame.QUIT for event in pygame.event.get()):
             self._dismissed = True
             self.close()
-        pygame.event.pump()
         self._clock.tick(self._fps)
 
     def held_keys(self) -> frozenset[str]:
         """Names of the keys that are down, as pygame names them: ``"w"``, ``"left"``, ..."""
-        if not self._open:
+        pygame = self._pygame
+        if not self._open or not pygame.display.get_init():
             return frozenset()
-        self._pygame.event.pump()
-        state, pygame = self._pygame.key.get_pressed(), self._pygame
-        codes = (getattr(pygame, name) for name in dir(pygame) if name.startswith("K_"))
-        return frozenset(pygame.key.name(code) for code in codes if state[code])
+        pygame.event.pump()
+        down = pygame.key.get_pressed()
+        return frozenset(pygame.key.name(code) for code in self._codes if down[code])
 
     def close(self) -> None:
         """Close it; harmless when it is not open."""
         if self._open:
             self._open = False
             self._pygame.display.quit()
+
+    def _surface(self, size: tuple[int, int]) -> Any:
+        """What the display shows, made anew if it is not there (any more) or of another size."""
+        display = self._pygame.display
+        surface = display.get_surface() if display.get_init() else None
+        if surface is not None and surface.get_size() == size:
+            return surface
+        try:
+            display.init()
+            surface = display.set_mode(size)
+        except self._pygame.error as error:
+            raise InvalidInput(
+                f"mode must be 'rgb_array' where no window can be opened, got 'human' ({error}); "
+                "change the mode, or set DISPLAY"
+            ) from error
+        display.set_caption(self._title)
+        return surface
 
 
 def text_width(text: str, size: int) -> int:
@@ -215,10 +227,20 @@ def _typeset(pygame: Any, text: str, size: int) -> Iterator[tuple[str, Any, int]
     """
     for k, piece in enumerate(re.split(r"_(.)", text)):
         lowered = k % 2 == 1
-        yield piece, _font(pygame, size, lowered), round(0.35 * _FINE * size) if lowered else 0
+        font = _font(pygame, round(_FINE * size * (0.7 if lowered else 1.0)))
+        yield piece, font, round(0.35 * _FINE * size) if lowered else 0
 
 
-@cache
-def _font(pygame: Any, size: int, lowered: bool) -> Any:
+_fonts: dict[int, Any] = {}  # size -> font
+
+
+def _font(pygame: Any, size: int) -> Any:
+    font = _fonts.get(size)
+    try:
+        if font is not None and font.get_height():
+            return font
+    except pygame.error:
+        pass  # another library has called pygame.quit(), which invalidates fonts
     pygame.font.init()
-    return pygame.font.Font(None, round(_FINE * size * (0.7 if lowered else 1.0)))
+    _fonts[size] = pygame.font.Font(None, size)
+    return _fonts[size]
