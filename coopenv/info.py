@@ -75,11 +75,11 @@ def replaced(value: Any, worlds: IntArray, other: Any) -> Any:
 
 
 def one(info: Info, k: int) -> Info:
-    """The info of world ``k`` alone: its first axis dropped, single numbers as Python's own."""
+    """A copy of world ``k``'s info: its first axis dropped, single numbers as Python's own."""
     single: Info = {}
     for name, value in info.items():
         if isinstance(value, dict):
             single[name] = one(value, k)
         else:
-            single[name] = value[k] if value.ndim > 1 else value.item(k)
+            single[name] = value[k].copy() if value.ndim > 1 else value.item(k)
     return single

@@ -81,7 +81,7 @@ class Transport:
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         self._steps = np.zeros(self.num_worlds, dtype=np.int64)
-        self._ended = np.ones(self.num_worlds, dtype=np.bool_)
+        self._ended, self._any_ended = np.ones(self.num_worlds, dtype=np.bool_), True
         self._obs = np.zeros((0,), dtype=np.float32)
         self._info: Info = {}
 
@@ -161,16 +161,23 @@ class Transport:
         ResetNeeded
             If a world has ended, or never started.
         """
-        ended = self._ended if restart is None else self._ended & ~restart
-        if self.transition is None or ended.any():
-            raise ResetNeeded(self._why_reset(ended))
+        obs, reward, terminated, truncated, info = self.advance(action, restart=restart)
+        return obs.copy(), reward, terminated.copy(), truncated.copy(), copied(info)
+
+    def advance(
+        self, action: npt.ArrayLike, *, restart: BoolArray | None = None
+    ) -> tuple[npt.NDArray[np.float32], FloatArray, BoolArray, BoolArray, Info]:
+        """`step` for views that copy what they hand out: these arrays are the core's own."""
+        if self._any_ended or restart is not None:
+            self._check_running(restart)
         clipped, applied = self._applied(action)
         before = self.transition
+        assert before is not None
         self.world.step(sum_at_centre(applied, self.team.grips))
         self._steps, time = _tick(self._steps, self.dt)
         next_state = self._state(before.next_state.goal, time)
         success = self.config.task.success(next_state.pose, next_state.twist, next_state.goal)
-        truncated, self._ended = _ends(success, self._steps, self.horizon)
+        truncated, self._ended, self._any_ended = _ends(success, self._steps, self.horizon)
         self.transition = transition = Transition(
             state=before.next_state,
             next_state=next_state,
@@ -188,12 +195,11 @@ class Transport:
         reward, parts = self.reward(transition)
         self._obs = self.observation(transition)
         self._info = step_info(transition, parts)
-        terminated, truncated = success.copy(), truncated.copy()
         if restart is None or not restart.any():
-            return self._obs.copy(), reward, terminated, truncated, copied(self._info)
+            return self._obs, reward, success, truncated, self._info
         obs, info = self.reset(mask=restart)
-        reward[restart], terminated[restart], truncated[restart] = 0, False, False
-        return obs, reward, terminated, truncated, info
+        reward[restart] = 0
+        return obs, reward, success & ~restart, truncated & ~restart, info
 
     def _applied(self, action: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Clipped actions, and the wrenches in the object frame that they stand for."""
@@ -227,6 +233,7 @@ class Transport:
         self.world.place(worlds, pose)
         self._steps = self._steps.copy()
         self._steps[worlds], self._ended[worlds] = 0, False
+        self._any_ended = bool(self._ended.any())
         pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
         state = State(
             pose=pose,
@@ -316,14 +323,19 @@ class Transport:
                     "the room's centre"
                 )
 
-    def _why_reset(self, still: BoolArray) -> str:
+    def _check_running(self, restart: BoolArray | None) -> None:
+        """Raise `ResetNeeded` where a world that does not restart has no episode under way."""
         if self.transition is None:
-            return "reset must be called before the first step, got a step; call reset()"
-        ended = np.flatnonzero(still)
-        return (
-            f"worlds whose episode has ended must be reset before the next step, got a step with "
-            f"{len(ended)} ended (the first: {ended[0]}); call reset(mask=terminated | truncated)"
-        )
+            raise ResetNeeded(
+                "reset must be called before the first step, got a step; call reset()"
+            )
+        ended = np.flatnonzero(self._ended if restart is None else self._ended & ~restart)
+        if len(ended):
+            raise ResetNeeded(
+                "worlds whose episode has ended must be reset before the next step, got a step "
+                f"with {len(ended)} ended (the first: {ended[0]}); "
+                "call reset(mask=terminated | truncated)"
+            )
 
 
 @njit(cache=True)
@@ -335,6 +347,7 @@ def _tick(steps, dt):  # pragma: no cover - compiled
 
 @njit(cache=True)
 def _ends(success, steps, horizon):  # pragma: no cover - compiled
-    """Which worlds ran out of time, and which ended either way."""
+    """Which worlds ran out of time, which ended either way, and whether any did."""
     truncated = (steps >= horizon) & ~success
-    return truncated, truncated | success
+    ended = truncated | success
+    return truncated, ended, ended.any()

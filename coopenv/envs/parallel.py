@@ -90,7 +90,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], ByAgent]:
         """Advance by one control step."""
         joint = self._joint(actions)
-        obs, reward, terminated, truncated, info = self.transport.step(joint)
+        obs, reward, terminated, truncated, info = self.transport.advance(joint)
         seen, told = self._split(obs), self._infos(info)
         rewards = dict(zip(self.agents, reward[0].tolist(), strict=True))
         ends = dict.fromkeys(self.agents, bool(terminated[0]))
@@ -147,7 +147,7 @@ def _own(info: infos.Info, i: int) -> infos.Info:
         if isinstance(value, dict):
             own[name] = _own(value, i)
         elif isinstance(value, np.ndarray):
-            own[name] = value[i].copy() if value.ndim > 1 else value[i].item()
+            own[name] = value[i].copy() if value.ndim > 1 else value.item(i)
         else:
             own[name] = value
     return own

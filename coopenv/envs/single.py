@@ -69,11 +69,11 @@ class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32
     ) -> tuple[npt.NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Advance by one control step."""
         joint = team_actions(self.transport, action, self.action_space.shape)
-        obs, reward, terminated, truncated, info = self.transport.step(joint)
+        obs, reward, terminated, truncated, info = self.transport.advance(joint)
         if self.render_mode == "human":
             self.render()
         ends = bool(terminated[0]), bool(truncated[0])
-        return obs.reshape(-1), _mean(reward[0]), *ends, _team_info(info)
+        return obs.flatten(), _mean(reward[0]), *ends, _team_info(info)
 
     def render(self) -> Any:
         """The picture ``(height, width, 3)`` uint8, or ``None`` with a window open."""
