@@ -23,7 +23,7 @@ AGENTS: tuple[Color, ...] = (  # after Okabe & Ito: they stay apart for the colo
     (204, 121, 167),
     (0, 158, 115),
     (86, 180, 233),
-    (150, 120, 70),
+    (240, 228, 66),
 )
 SHAFT, CORE = 5.0, 2.4  # [unit] widths of an arrow and of the internal one in it
 
