@@ -193,6 +193,17 @@ def test_a_beam_at_full_force_never_leaves_the_room(scene):
     assert (outside.max(axis=(2, 3)) > 0.05).mean() < 0.05
 
 
+@pytest.mark.parametrize(("mass", "drag"), [(7.7, 0.0), (1.0, 1.0), (0.5, 0.1)])
+def test_a_fast_body_does_not_slip_out_along_the_inside_of_a_wall(mass, drag):
+    # At 15 m/s a thin beam is wholly inside a wall before it is first seen to touch it.
+    count = 64
+    many = world(Body(mass=mass, linear_drag=drag), count=count)
+    many.place(np.arange(count), strewn(17, count, half=1.5))
+    poses, twists, _ = ride(many, knocks(18, 300, count, strength=1.0) * (20.0, 20.0, 4.0))
+    assert np.abs(twists[..., :2]).max() > 4.0  # [m/s]
+    assert np.abs(poses[..., :2]).max() < 3.0 + WALL_THICKNESS / 2
+
+
 def test_an_obstacle_stops_a_body():
     scene = Scene(obstacles=(Box(center=(0.0, 1.0), size=(3.0, 0.5)),))
     one = placed(0.0, 0.0, 0.0, scene=scene)
@@ -221,6 +232,18 @@ def test_what_neighbours_do_changes_no_bit_of_a_world_even_in_contact():
     assert first[2][:, 0].any()  # world 0 did touch a wall
     for mine, theirs in zip(first, second, strict=True):
         np.testing.assert_array_equal(mine[:, 0], theirs[:, 0])
+
+
+def test_many_shards_run_to_the_same_bits_every_time():
+    count = 2 * SHARD_SIZE + 9
+    runs = []
+    for _ in range(2):
+        many = world(count=count)
+        many.place(np.arange(count), strewn(19, count))
+        runs.append(ride(many, knocks(20, 40, count)))
+    assert runs[0][2].any(axis=0).sum() > count / 3
+    for first, second in zip(*runs, strict=True):
+        np.testing.assert_array_equal(first, second)
 
 
 @pytest.mark.parametrize("count", [7, SHARD_SIZE + 44])
