@@ -10,7 +10,7 @@ import numpy.typing as npt
 import coopenv
 from coopenv import BLOCKS, Body, Box, Scene, TransportTask
 from coopenv.rewards import PRESETS
-from coopenv.wrench import Settings
+from coopenv.wrench import METHODS, Settings
 
 PARALLEL: dict[str, ModuleType] = {  # every registered id and its PettingZoo module
     "coopenv/BeamTransport-v0": coopenv.beam_transport_v0,
@@ -37,6 +37,8 @@ QUINTET = Body.beam(
     grips=((-0.8, 0.2), (-0.8, -0.2), (0.0, 0.0), (0.8, 0.2), (0.8, -0.2)),
 )
 
+FORCES_ONLY = ("max_internal", "net_force", "one_dimensional")  # raise where torque is applied
+
 # Every documented option at least once, by a name that reads in the test's id.
 OPTIONS: dict[str, dict[str, Any]] = {
     "defaults": {},
@@ -50,7 +52,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     },
     **{
         f"decompose {method}": {"decomposition": Settings(method=method)}
-        for method in ("moore_penrose", "nonsqueezing", "parametrized", "point_mass")
+        for method in METHODS
+        if method not in FORCES_ONLY
     },
     "induced torque": {"decomposition": Settings(include_induced=True, torque_weight=0.3)},
     "conic": {"decomposition": Settings(solver="conic"), "horizon": 20},

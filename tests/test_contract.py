@@ -43,6 +43,10 @@ def _no_other_warning(monkeypatch):
         yield
 
 
+def test_every_registered_id_is_tested():
+    assert {name for name in gymnasium.registry if name.startswith("coopenv/")} == set(IDS)
+
+
 @EVERY_ID
 @EVERY_OPTION
 def test_the_gymnasium_view_passes_gymnasiums_checker(view, keywords):

@@ -295,6 +295,18 @@ def test_a_given_start_and_goal_are_taken_and_the_angle_is_wrapped():
     np.testing.assert_allclose(state.goal, [(1, 1, 0), (0, 0, np.pi)], atol=1e-15)
 
 
+def test_a_partial_reset_takes_each_worlds_own_start_and_goal():
+    core = started(num_worlds=3)
+    poses = [(0.1 * k, 0.2 * k, 0.3 * k) for k in range(3)]
+    goals = [(-0.1 * k, -0.2 * k, -0.3 * k) for k in range(3)]
+    before = last(core).next_state
+    core.reset(mask=np.array([False, True, True]), pose=poses, goal=goals)
+    state = last(core).next_state
+    np.testing.assert_allclose(state.pose, [before.pose[0], *poses[1:]], atol=1e-15)
+    np.testing.assert_allclose(state.goal, [before.goal[0], *goals[1:]], atol=1e-15)
+    np.testing.assert_allclose(core.world.pose[1:], poses[1:], atol=1e-15)
+
+
 def test_a_given_start_does_not_change_what_is_drawn_next():
     drawn, given = Transport(), Transport()
     drawn.reset(seed=1)
@@ -316,6 +328,8 @@ def test_what_is_returned_is_not_shared_with_the_core():
         spoil((given, theirs))
         assert_same(clean.reset(mask=mask), again := soiled.reset(mask=mask))
         spoil(again)
+        none = np.zeros(4, dtype=bool)
+        assert_same(clean.reset(mask=none), soiled.reset(mask=none))
 
 
 def test_the_transition_is_what_the_step_was():
