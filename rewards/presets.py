@@ -18,7 +18,7 @@ from .terms import (
     TimeCost,
 )
 
-_TASK = {"progress": Progress(), "success": Success(), "time": TimeCost()}
+_TASK = {"progress": Progress(weight=5.0), "success": Success(), "time": TimeCost()}
 
 PRESETS: dict[str, RewardSum] = {
     # only the bonus and the clock: for exploration studies
@@ -26,7 +26,7 @@ PRESETS: dict[str, RewardSum] = {
     # get it there
     "task": RewardSum(_TASK),
     # get it there without fighting the partner
-    "harmony": RewardSum({**_TASK, "relative_cost": RelativeCost(weight=0.2)}),
+    "harmony": RewardSum({**_TASK, "relative_cost": RelativeCost(weight=0.3)}),
     # get it there gently: no squeezing, no waste, no jerks, no knocks
     "balanced": RewardSum(
         {

@@ -1,0 +1,262 @@
+"""Held-out episodes of a policy, and what they show; several policies side by side."""
+
+import csv
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from math import nan, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, whole
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.transport import Transport
+
+from .episodes import Episodes, EpisodeSums
+from .files import written
+from .policy import Policy, forget
+from .seeds import evaluation_seeds
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+NORMAL_95 = 1.959964  # two-sided 95 % quantile of the normal distribution
+COLUMNS = (  # of the printed table, with units
+    ("success", "%"),
+    ("95 %", "%"),
+    ("time", "s"),
+    ("γ", ""),
+    ("F_I", "N"),
+    ("T_I", "N·m"),
+    ("share", "force"),
+    ("uneven", "0-1"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evaluation:
+    """Means over exactly ``episodes`` held-out episodes, each counted once whatever its length.
+
+    Levels and shares are means over the steps of an episode first.
+    """
+
+    policy: str  # what it is called in the table
+    episodes: int
+    seed: int  # number of the evaluation; see `coopenv.agents.seeds`
+    success_rate: float
+    success_interval: tuple[float, float]  # 95 %, Wilson
+    success_time: float  # [s], of the successful episodes; NaN where there is none
+    reward: float  # return of an episode, undiscounted, mean over the team
+    relative_cost: float  # γ
+    internal_force_level: float  # F_I [N]
+    internal_torque_level: float  # T_I [N·m]
+    force_load_share: tuple[float, ...]  # one an agent
+    torque_load_share: tuple[float, ...]
+    load_imbalance: float  # of force; 0: all carry alike in every step, 1: one carries all
+    contact_impulse: float  # [N·s] an episode
+
+    @classmethod
+    def of(cls, seen: Episodes, *, dt: float, policy: str = "", seed: int = 0) -> Self:
+        """Summarise episodes of control step ``dt`` [s]."""
+        count, successes = len(seen.length), int(seen.success.sum())
+        times = dt * seen.length[seen.success]  # [s]
+        return cls(
+            policy=policy,
+            episodes=count,
+            seed=seed,
+            success_rate=successes / count,
+            success_interval=wilson_interval(successes, count),
+            success_time=float(times.mean()) if successes else nan,
+            reward=float(seen.reward.mean()),
+            relative_cost=float(seen.relative_cost.mean()),
+            internal_force_level=float(seen.internal_force_level.mean()),
+            internal_torque_level=float(seen.internal_torque_level.mean()),
+            force_load_share=_defined_means(seen.force_load_share),
+            torque_load_share=_defined_means(seen.torque_load_share),
+            load_imbalance=_defined_means(seen.load_imbalance[:, None])[0],
+            contact_impulse=float(seen.contact_impulse.mean()),
+        )
+
+
+def evaluate(
+    policy: Policy,
+    config: TransportConfig | None = None,
+    *,
+    episodes: int = 500,
+    seed: int = 0,
+    num_worlds: int = 250,
+    name: str = "",
+) -> Evaluation:
+    """Run held-out episodes and summarise them.
+
+    Parameters
+    ----------
+    policy
+        Asked for the actions of all worlds at once.
+    config
+        The environment; the default one if ``None``.
+    episodes
+        How many; each has a world seed of its own that no training uses.
+    seed
+        Number of the evaluation: the same starts and goals for every policy.
+    num_worlds
+        Episodes run side by side. It changes the figures by rounding only, unless the policy
+        itself draws random numbers.
+    name
+        What the policy is called in the table.
+
+    Returns
+    -------
+    Means with a 95 % interval of the success rate.
+    """
+    config = config if config is not None else TransportConfig()
+    seen = run_episodes(policy, config, episodes=episodes, seed=seed, num_worlds=num_worlds)
+    return Evaluation.of(seen, dt=config.dt, policy=name, seed=seed)
+
+
+def compare(
+    policies: Mapping[str, Policy],
+    config: TransportConfig | None = None,
+    *,
+    episodes: int = 500,
+    seed: int = 0,
+    num_worlds: int = 250,
+) -> list[Evaluation]:
+    """`evaluate` several policies by name on the same episodes."""
+    return [
+        evaluate(policy, config, episodes=episodes, seed=seed, num_worlds=num_worlds, name=name)
+        for name, policy in policies.items()
+    ]
+
+
+def run_episodes(
+    policy: Policy,
+    config: TransportConfig,
+    *,
+    episodes: int = 500,
+    seed: int = 0,
+    num_worlds: int = 250,
+) -> Episodes:
+    """Run exactly ``episodes`` held-out episodes; entry k is that of the k-th world seed.
+
+    Every world of a batch runs one episode to its end. Counting the first ones that end, as an
+    autoreset loop does, would favour short episodes.
+    """
+    episodes = whole(episodes, "episodes", at_least=1)
+    seeds = evaluation_seeds(seed, episodes)
+    core = Transport(num_worlds=min(num_worlds, episodes), config=config)
+    batches = [
+        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]])
+        for first in range(0, episodes, core.num_worlds)
+    ]
+    return Episodes.joined(batches)
+
+
+def _run_batch(policy: Policy, core: Transport, seeds: list[int]) -> Episodes:
+    """One episode of each seed; worlds beyond the last seed idle beside them."""
+    count = len(seeds)
+    filled = seeds + seeds[-1:] * (core.num_worlds - count)
+    obs, _ = core.reset(seed=filled)
+    forget(policy, np.ones(core.num_worlds, dtype=np.bool_))
+    sums = EpisodeSums(core.num_worlds, core.num_agents)
+    running = np.arange(core.num_worlds) < count
+    order, ended = [], []
+    while running.any():
+        assert core.transition is not None
+        obs, reward, terminated, truncated, info = core.step(policy(obs, core.transition))
+        sums.add(reward, info)
+        over = terminated | truncated
+        if not over.any():
+            continue
+        worlds = np.flatnonzero(over)
+        first = running[worlds]  # the others have had their episode and only fill the batch
+        ended.append(sums.take(worlds).pick(np.flatnonzero(first)))
+        order.append(worlds[first])
+        running &= ~over
+        obs, _ = core.reset(mask=over)
+        forget(policy, over)
+    return Episodes.joined(ended).pick(np.argsort(np.concatenate(order)))
+
+
+def wilson_interval(successes: int, count: int) -> tuple[float, float]:
+    """95 % interval of a success rate (Wilson 1927): honest at 0 and 1, unlike ±1.96 σ."""
+    rate, square = successes / count, NORMAL_95**2
+    middle = rate + square / (2 * count)
+    spread = NORMAL_95 * sqrt(rate * (1 - rate) / count + square / (4 * count**2))
+    scale = 1 + square / count
+    low, high = (middle - spread) / scale, (middle + spread) / scale
+    return low if successes else 0.0, high if successes < count else 1.0
+
+
+def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table":
+    """The evaluations as a rich table, one row a policy."""
+    try:
+        from rich.box import SIMPLE_HEAD
+        from rich.table import Table
+    except ImportError as error:
+        raise MissingExtra("the table", "train") from error
+    made = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    made.add_column("policy", min_width=11)
+    for name, unit in COLUMNS:
+        made.add_column(f"{name}\n{unit}", justify="right", no_wrap=True)
+    for seen in evaluations:
+        low, high = seen.success_interval
+        made.add_row(
+            seen.policy,
+            f"{100 * seen.success_rate:.1f}",
+            f"{100 * low:.0f}-{100 * high:.0f}",
+            "-" if seen.success_rate == 0 else f"{seen.success_time:.2f}",
+            f"{seen.relative_cost:.4f}",
+            f"{seen.internal_force_level:.3f}",
+            f"{seen.internal_torque_level:.3f}",
+            ":".join(f"{share:.2f}" for share in seen.force_load_share),
+            f"{seen.load_imbalance:.2f}",
+        )
+    return made
+
+
+def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
+    """Write the evaluations to a ``.json`` or ``.csv`` file (there, one column an agent)."""
+    kind = Path(path).suffix
+    if kind not in (".json", ".csv"):
+        raise InvalidInput(f"path must end in .json or .csv, got {os.fspath(path)!r}; rename it")
+    rows = [asdict(seen) for seen in evaluations]
+    with written(path) as part:
+        if kind == ".json":
+            part.write_text(json.dumps(_without_nan(rows), indent=2) + "\n")
+            return
+        flat = [_flat(row) for row in rows]
+        with part.open("w", newline="") as file:
+            writer = csv.DictWriter(file, list(flat[0]))
+            writer.writeheader()
+            writer.writerows(flat)
+
+
+def _defined_means(values: FloatArray) -> tuple[float, ...]:
+    """Mean of each column over the rows in which it is not NaN."""
+    defined = ~np.isnan(values)
+    means = np.nansum(values, axis=0) / np.maximum(defined.sum(axis=0), 1)
+    return tuple(np.where(defined.any(axis=0), means, nan).tolist())
+
+
+def _without_nan(value):
+    """NaN is no JSON: null instead."""
+    if isinstance(value, dict):
+        return {name: _without_nan(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(entry) for entry in value]
+    return None if value != value else value
+
+
+def _flat(row: dict) -> dict:
+    flat = {}
+    for name, value in row.items():
+        if isinstance(value, tuple):
+            flat.update({f"{name}_{i}": entry for i, entry in enumerate(value)})
+        else:
+            flat[name] = value
+    return flat

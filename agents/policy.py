@@ -1,0 +1,40 @@
+"""What acts: observations and the last transition in, actions out, many worlds at once."""
+
+from typing import Protocol, runtime_checkable
+
+import numpy.typing as npt
+
+from coopenv.arrays import BoolArray
+from coopenv.transition import Transition
+
+
+class Policy(Protocol):
+    """Anything callable so can be evaluated, drawn and compared; see `coopenv.agents.evaluate`."""
+
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
+        """Actions ``(world, agent, action_size)`` in [−1, 1], agent frame.
+
+        Parameters
+        ----------
+        obs
+            ``(world, agent, feature)``, what each agent sees.
+        transition
+            The step that led here; ``transition.next_state`` is where every world is. Learned
+            policies ignore it, scripted ones may read all of it.
+        """
+        ...
+
+
+@runtime_checkable
+class Resettable(Protocol):
+    """A policy that remembers something of an episode has this as well."""
+
+    def reset(self, mask: BoolArray) -> None:
+        """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""
+        ...
+
+
+def forget(policy: Policy, mask: BoolArray) -> None:
+    """Tell a policy that new episodes begin in the marked worlds, if it wants to know."""
+    if isinstance(policy, Resettable):
+        policy.reset(mask)

@@ -1,0 +1,150 @@
+"""What a training run is: a commented dataclass, read from the command line and kept as JSON."""
+
+import json
+import os
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import gymnasium
+
+from coopenv.arrays import positive, whole
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput, UnknownName
+
+from .files import written
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnvironmentChoice:
+    """An environment by name, and what is most often changed of it; ``None`` keeps its own."""
+
+    env: str = "coopenv/BeamTransport-v0"
+    """Gymnasium id."""
+    reward: str | None = None
+    """Preset of coopenv.rewards: task, harmony, balanced, sparse."""
+    observe: tuple[str, ...] | None = None
+    """Observation blocks, for example: goal twist own_wrench."""
+    action: Literal["wrench", "force"] | None = None
+    """What an agent gives: forces and torque, or forces alone."""
+    horizon: int | None = None
+    """Control steps after which an episode is truncated."""
+
+    def config(self) -> TransportConfig:
+        """The environment's whole configuration.
+
+        Raises
+        ------
+        UnknownName
+            If the id, the preset or a block does not exist.
+        """
+        given = {
+            name: value
+            for name, value in asdict(self).items()
+            if name != "env" and value is not None
+        }
+        return find_config(self.env, given)
+
+
+def find_config(env: str | TransportConfig, keywords: dict[str, Any]) -> TransportConfig:
+    """The configuration behind a Gymnasium id and keywords, or the one that is given."""
+    if isinstance(env, TransportConfig):
+        if keywords:
+            raise InvalidInput(
+                f"env must be an id to take keywords, got a configuration beside "
+                f"{sorted(keywords)}; change it with dataclasses.replace"
+            )
+        return env
+    ours = [name for name in gymnasium.registry if name.startswith("coopenv/")]
+    if env not in ours:
+        raise UnknownName("env", env, ours)
+    return TransportConfig.parse({**gymnasium.spec(env).kwargs, **keywords})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrainConfig:
+    """PPO of Stable-Baselines3; the defaults learn BeamTransport in about a minute on one core."""
+
+    environment: EnvironmentChoice = field(default_factory=EnvironmentChoice)
+    control: Literal["joint", "shared"] = "joint"
+    """One policy for the whole team, or the same policy for every agent."""
+    seed: int = 0
+    """Number of the run; no two runs share an episode (coopenv.agents.seeds)."""
+    steps: int = 600_000
+    """Control steps, counted over all worlds."""
+    num_worlds: int = 64
+    """Worlds stepped together."""
+    rollout: int = 128
+    """Control steps of each world between two updates."""
+    batch_size: int = 2048
+    """Samples in a gradient step."""
+    epochs: int = 10
+    """Times each sample is used."""
+    learning_rate: float = 1e-3
+    """At the start; it falls linearly to zero."""
+    discount: float = 0.99
+    """Per control step."""
+    gae_lambda: float = 0.95
+    """Per control step."""
+    clip_range: float = 0.2
+    """PPO's bound on the change of the action's probability ratio."""
+    entropy_weight: float = 0.0
+    """Reward for randomness [reward / nat]."""
+    initial_std: float = 0.6
+    """Spread of the first actions, in units of the limits."""
+    hidden: tuple[int, ...] = (64, 64)
+    """Layers of the policy's and of the value's network."""
+    threads: int = 1
+    """Of torch; more than one is slower at these sizes."""
+    checkpoint_every: int = 10
+    """Updates between two checkpoints."""
+    fresh: bool = False
+    """Start over, even if there is a checkpoint to go on from."""
+    out: Path = Path("runs/beam_transport")
+    """Folder for the policy, logs and pictures."""
+
+    def __post_init__(self) -> None:
+        counts = ("steps", "num_worlds", "rollout", "batch_size", "epochs", "checkpoint_every")
+        for name in (*counts, "threads"):
+            whole(getattr(self, name), name, at_least=1)
+        whole(self.seed, "seed", at_least=0)
+        for name in ("learning_rate", "discount", "gae_lambda", "clip_range", "initial_std"):
+            positive(getattr(self, name), name)
+        if max(self.discount, self.gae_lambda) > 1:
+            raise InvalidInput(
+                f"discount and gae_lambda must be at most 1, got {self.discount} and "
+                f"{self.gae_lambda}; lower them"
+            )
+        if isinstance(self.environment, dict):  # as JSON brings it back
+            _set = object.__setattr__
+            _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))
+            _set(self, "hidden", tuple(self.hidden))
+            _set(self, "out", Path(self.out))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, strings and lists."""
+        return json.loads(json.dumps(asdict(self), default=str))
+
+    def identity(self) -> dict[str, Any]:
+        """What two runs must have in common for one to go on from the other's checkpoint."""
+        free = ("out", "fresh", "threads", "checkpoint_every")
+        return {name: value for name, value in self.to_dict().items() if name not in free}
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write the configuration as JSON."""
+        with written(path) as part:
+            part.write_text(json.dumps(self.to_dict(), indent=2) + "\n")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Self:
+        """Read what `save` wrote."""
+        given = json.loads(Path(path).read_text())
+        names = {entry.name for entry in fields(cls)}
+        for name in given:
+            if name not in names:
+                raise UnknownName(f"entry of {os.fspath(path)}", name, names)
+        return cls(**given)
+
+
+def _tuples(value: dict[str, Any]) -> dict[str, Any]:
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in value.items()}

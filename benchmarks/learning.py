@@ -1,0 +1,79 @@
+"""What PPO learns under several rewards and training seeds: ``python -m benchmarks.learning``.
+
+Every policy is trained with the defaults of `coopenv.agents.settings.TrainConfig` and evaluated on
+the same held-out episodes.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import tyro
+from rich.console import Console
+
+from coopenv.agents.curves import Row, draw
+from coopenv.agents.evaluate import Evaluation, evaluate, save, table
+from coopenv.agents.settings import TrainConfig
+from coopenv.agents.train import train
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Train every reward with every seed."""
+
+    rewards: tuple[str, ...] = ("task", "harmony")
+    """Presets of coopenv.rewards."""
+    seeds: tuple[int, ...] = (0, 1, 2)
+    """Training runs."""
+    episodes: int = 500
+    """Held-out episodes for each policy."""
+    out: Path = Path("runs/learning")
+    """Folder for policies, table and curves."""
+    training: TrainConfig = field(default_factory=TrainConfig)
+
+
+def run(study: Study, tell: Callable[[str], None] = print) -> list[Evaluation]:
+    """Train, evaluate, and write ``table.csv``, ``table.json`` and ``curves.png``."""
+    seen: list[Evaluation] = []
+    histories: dict[str, list[list[Row]]] = {reward: [] for reward in study.rewards}
+    for reward in study.rewards:
+        for seed in study.seeds:
+            name = f"{reward} {seed}"
+            rows: list[Row] = []
+            environment = replace(study.training.environment, reward=reward)
+            config = replace(
+                study.training,
+                environment=environment,
+                seed=seed,
+                out=study.out / f"{reward}_{seed}",
+                fresh=True,
+            )
+            began = time.perf_counter()
+            policy = train(config, report=rows.append)
+            tell(f"{name}: trained in {time.perf_counter() - began:.0f} s")
+            seen.append(evaluate(policy, environment.config(), episodes=study.episodes, name=name))
+            histories[reward].append(rows)
+    for file in ("table.csv", "table.json"):
+        save(seen, study.out / file)
+    draw(histories, study.out / "curves.png")
+    return seen
+
+
+def mean_relative_cost(seen: list[Evaluation], reward: str) -> float:
+    """γ of a reward, averaged over its training seeds."""
+    return float(
+        np.mean([one.relative_cost for one in seen if one.policy.startswith(f"{reward} ")])
+    )
+
+
+def main() -> None:
+    """Run the study that the command line describes and print its table."""
+    console = Console()
+    study = tyro.cli(Study)
+    console.print(table(run(study, console.print)))
+
+
+if __name__ == "__main__":
+    main()
