@@ -233,8 +233,6 @@ def test_nothing_that_the_parallel_view_returns_is_shared_with_it(module):
         np.testing.assert_array_equal(clean.state(), kept := soiled.state())
         kept[:] = 0
         np.testing.assert_array_equal(clean.state(), soiled.state())
-        soiled.agents.reverse()  # a caller's list, not ours
-        soiled.agents.reverse()
         if not clean.agents:
             assert_same(clean.reset(), again := soiled.reset())
             spoil(again)
@@ -267,6 +265,16 @@ def test_the_spaces_are_always_the_same_objects(module):
         assert env.observation_space(agent) is env.observation_spaces[agent]
         assert env.action_space(agent) is env.action_spaces[agent]
     assert set(env.observation_spaces) == set(env.action_spaces) == set(env.possible_agents)
+
+
+@EVERY_MODULE
+def test_emptying_the_list_of_agents_leaves_the_possible_ones(module):
+    env = module.parallel_env()
+    env.reset(seed=0)
+    env.agents.clear()
+    assert env.possible_agents == ["agent_0", "agent_1"]
+    env.reset(seed=0)
+    assert env.agents == env.possible_agents
 
 
 @EVERY_ID
