@@ -53,7 +53,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     **{
         f"decompose {method}": {"decomposition": Settings(method=method)}
         for method in METHODS
-        if method not in FORCES_ONLY
+        if method not in ("optimal", *FORCES_ONLY)
     },
     "induced torque": {"decomposition": Settings(include_induced=True, torque_weight=0.3)},
     "conic": {"decomposition": Settings(solver="conic"), "horizon": 20},
