@@ -28,6 +28,6 @@ for k in range(len(applied)):
     )
 
 print("largest residual:", max(float(part.max()) for part in split.residuals()))
-for method in wrench.METHODS:
+for method in wrench.GENERAL_METHODS:
     other = wrench.decompose(applied, grips, method=method)
     print(f"{method:>16}: F_I = {np.round(other.internal_force_level, 3)}")

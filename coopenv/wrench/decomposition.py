@@ -186,7 +186,10 @@ class Decomposition:
 
     @cached_property
     def gap(self) -> FloatArray:
-        """Bound ``(...)`` on how much the cost exceeds the optimum [N]; 0 for closed forms."""
+        """Bound ``(...)`` on how much the cost exceeds the optimum [N]; 0 for closed forms.
+
+        For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
+        """
         return np.zeros(self.applied.shape[:-2]) if self._gap is None else self._gap
 
     @cached_property

@@ -4,7 +4,16 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.wrench import optimal, point_mass, pseudoinverse, virtual_linkage
+from coopenv.wrench import (
+    max_internal,
+    net_force,
+    one_dimensional,
+    optimal,
+    point_mass,
+    prioritized_torque,
+    pseudoinverse,
+    virtual_linkage,
+)
 
 if TYPE_CHECKING:
     from coopenv.wrench.settings import Settings
@@ -22,12 +31,26 @@ Prepared: TypeAlias = tuple[str, Solve]
 
 METHODS: dict[str, "Callable[[FloatArray, Settings], Prepared]"] = {
     "optimal": optimal.prepare,
+    "prioritized_torque": prioritized_torque.prepare,
     "point_mass": point_mass.prepare,
     "moore_penrose": pseudoinverse.prepare,
     "nonsqueezing": pseudoinverse.prepare,
     "parametrized": pseudoinverse.prepare,
     "virtual_linkage": virtual_linkage.prepare,
+    "max_internal": max_internal.prepare,
+    "one_dimensional": one_dimensional.prepare,
+    "net_force": net_force.prepare,
 }
 
-PLAUSIBLE = frozenset({"optimal"})
+GENERAL_METHODS = (
+    "optimal",
+    "point_mass",
+    "moore_penrose",
+    "nonsqueezing",
+    "parametrized",
+    "virtual_linkage",
+)
+"""Methods for any number of effectors, in plane and space, with forces and torques."""
+
+PLAUSIBLE = frozenset({"optimal", "prioritized_torque", "one_dimensional"})
 """Methods that satisfy eqs. 9-11 for every input, so that the relative cost lies in [0, 1]."""

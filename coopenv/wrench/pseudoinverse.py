@@ -143,13 +143,13 @@ def _virtual_masses(masses: Any, grips: FloatArray) -> FloatArray:
     mass = np.ones(num_effectors) if masses is None else finite_array(masses, "virtual_masses")
     if mass.shape != (num_effectors,) or not (mass > 0).all():
         raise InvalidInput(
-            f"virtual_masses must be {num_effectors} positive numbers, got {mass}; "
-            "give one per grip [kg]"
+            f"virtual_masses must be {num_effectors} positive numbers, so that m_o* = Σ m_i* "
+            f"(eq. 31) is positive, got {mass}; give one per grip [kg]"
         )
     offset = np.abs((mass[:, None] * grips).sum(axis=-2)).max()
     if offset > 1e-9 * (mass[:, None] * np.abs(grips)).sum(axis=-2).max():
         raise InvalidInput(
-            f"virtual_masses must have their centre at the object's, Σ m_i* r_i = 0, got "
+            f"virtual_masses must have their centre at the object's, Σ m_i* r_i = 0 (eq. 33), got "
             f"{mass} at grips {np.array2string(grips, threshold=8)}; choose masses that balance "
             "these grips"
         )
@@ -168,7 +168,7 @@ def _virtual_inertias(inertias: Any, num_effectors: int, dimension: int) -> Floa
     if not allowed or not (np.linalg.eigvalsh(inertia) > 0).all():
         raise InvalidInput(
             f"virtual_inertias must be {num_effectors} positive numbers"
-            f"{' or positive definite 3×3 matrices' if size == 3 else ''}, got {inertias!r}; "
-            "give one per grip [kg m²]"
+            f"{' or positive definite 3×3 matrices' if size == 3 else ''}, so that J_o* (eq. 32) "
+            f"is positive, got {inertias!r}; give one per grip [kg m²]"
         )
     return inertia

@@ -55,7 +55,7 @@ class Settings:
             raise UnknownName("solver", self.solver, ["auto", *SOLVERS])
         if self.solver != "auto" and self.method != "optimal":
             raise InvalidInput(
-                f"solver must be 'auto' for method={self.method!r}, which has a closed form, got "
+                f"solver must be 'auto' for method={self.method!r}, which has one solver, got "
                 f"{self.solver!r}; leave it out"
             )
         weight = positive(self.torque_weight, "torque_weight", or_zero=True)
