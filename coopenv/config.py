@@ -74,7 +74,7 @@ class TransportConfig:
         _set(self, "reward", find_reward(self.reward))
         check_blocks(self.observe)
         _set(self, "observe", tuple(self.observe))
-        if self.action not in ACTIONS:
+        if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
         _set(self, "horizon", whole(self.horizon, "horizon", at_least=1))
         _set(self, "dt", positive(self.dt, "dt", unit="seconds"))

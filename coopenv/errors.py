@@ -32,6 +32,10 @@ class ResetNeeded(CoopenvError, RuntimeError):
     """A world was stepped before its first reset or after its episode ended."""
 
 
+class BodyLost(CoopenvError, RuntimeError):
+    """A body went through a wall: it moves too far in a substep."""
+
+
 class MissingExtra(CoopenvError, ImportError):
     """An optional dependency is needed; the message says what to install."""
 

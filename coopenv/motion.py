@@ -128,12 +128,16 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma:
 
 
 @njit(cache=True, nogil=True)
-def collect(rows, table, reach, origin, report, expected, pose, twist, impulse):  # pragma: no cover
+def collect(
+    rows, table, reach, origin, bounds, report, expected, pose, twist, impulse
+):  # pragma: no cover - compiled
     """Read pymunk's buffer back and add up what contacts did to each body.
 
     The impulse of a substep is the least total of contact impulses that explains the change of
     momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
+    Returns a world whose body is beyond ``bounds`` ``(world, 2)`` [m], or −1.
     """
+    lost = -1
     for k in range(len(rows)):
         at = report[rows[k]]
         pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin[k, 0], at[1] - origin[k, 1], at[2]
@@ -144,3 +148,6 @@ def collect(rows, table, reach, origin, report, expected, pose, twist, impulse):
             push = table[k, MASS] * speed
             impulse[k] += max(push, table[k, INERTIA] * abs(spin) / reach[k])
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
+        if abs(pose[k, 0]) > bounds[k, 0] or abs(pose[k, 1]) > bounds[k, 1]:
+            lost = k
+    return lost

@@ -185,7 +185,7 @@ def find_block(block: str | Block) -> Block:
                 "pass a function of a transition"
             )
         return block
-    if block not in BLOCKS:
+    if not isinstance(block, str) or block not in BLOCKS:
         raise UnknownName("observe", block, BLOCKS)
     return BLOCKS[block]
 

@@ -170,7 +170,7 @@ class Transport:
         """`step` for views that copy what they hand out: these arrays are the core's own."""
         if self._any_ended or restart is not None:
             self._check_running(restart)
-        clipped, applied = self._applied(action)
+        clipped, applied = self._applied(action, restart)
         before = self.transition
         assert before is not None
         self.world.step(sum_at_centre(applied, self.team.grips))
@@ -201,7 +201,9 @@ class Transport:
         reward[restart] = 0
         return obs, reward, success & ~restart, truncated & ~restart, info
 
-    def _applied(self, action: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def _applied(
+        self, action: npt.ArrayLike, restart: BoolArray | None
+    ) -> tuple[FloatArray, FloatArray]:
         """Clipped actions, and the wrenches in the object frame that they stand for."""
         wanted = (self.num_worlds, self.num_agents, self.action_size)
         try:
@@ -213,6 +215,8 @@ class Transport:
                 f"action must have shape (world, agent, {self.action_size}) = {wanted}, "
                 f"got {given.shape}; stack one row an agent"
             )
+        if restart is not None:
+            given = np.where(restart[:, None, None], 0.0, given)
         clipped, applied, finite = frames.wrenches_from_actions(
             given, self.team.frame, self.team.limits
         )

@@ -14,6 +14,7 @@ import pymunk.batch as batch
 from coopenv import motion
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.body import Body
+from coopenv.errors import BodyLost
 from coopenv.scene import WALL_THICKNESS, Scene
 
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
@@ -95,6 +96,11 @@ class World:
         """Advance one control step under ``wrench`` ``(world, 3)`` [N, N·m], held in object frame.
 
         `pose`, `twist` and `contact_impulse` become fresh arrays; the old ones stay as they were.
+
+        Raises
+        ------
+        BodyLost
+            If a body is too fast for its substeps and got through a wall.
         """
         before = self.pose, self.twist
         self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
@@ -130,6 +136,7 @@ class _Shard:
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
         self._origin = _grid(bodies, scenes)
+        self._bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
         for scene, origin in zip(scenes, self._origin, strict=True):
             for solid in scene.solids():
                 wall = pymunk.Poly(self.space.static_body, (solid + origin).tolist())
@@ -168,7 +175,15 @@ class _Shard:
         self.space.step(substep)
         self._reports.clear()
         batch.get_space_bodies(self.space, _REPORT, self._reports)
-        motion.collect(rows, table, self._reach, self._origin, self._report, expected, *reached)
+        lost = motion.collect(
+            rows, table, self._reach, self._origin, self._bounds, self._report, expected, *reached
+        )
+        if lost >= 0:
+            x, y = reached[0][lost, :2]
+            raise BodyLost(
+                f"the body must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond the walls; "
+                "use more substeps, a heavier body, more drag or weaker agents"
+            )
 
     def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
         body = pymunk.Body(self._bodies[k].mass, self._bodies[k].inertia or 0.0)
@@ -202,8 +217,8 @@ def _buffer(num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
 
 def _grid(bodies: Sequence[Body], scenes: Sequence[Scene]) -> FloatArray:
     """Centres of the worlds ``(world, 2)`` [m], too far apart for anything to reach over."""
-    widest = max(max(scene.size) for scene in scenes)
-    pitch = widest + 2 * WALL_THICKNESS + 2 * max(body.reach for body in bodies)
+    farthest = max(np.abs(solid).max() for scene in scenes for solid in scene.solids())  # [m]
+    pitch = 2 * farthest + 2 * max(body.reach for body in bodies)
     columns = int(np.ceil(np.sqrt(len(bodies))))
     index = np.arange(len(bodies))
     return pitch * np.stack([index % columns, index // columns], axis=-1).astype(np.float64)

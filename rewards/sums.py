@@ -6,13 +6,16 @@ from typing import Protocol
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import FloatArray, number
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.transition import Transition
 
 
 class Term(Protocol):
-    """Pure and stateless: a transition in, one reward for each agent of each world out."""
+    """Pure and stateless: a transition in, one reward for each agent of each world out.
+
+    The transition's arrays are shared with observations, infos and the next step: read only.
+    """
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
@@ -32,13 +35,16 @@ class RewardSum(Mapping[str, Term]):
     Raises
     ------
     InvalidInput
-        If there is no term, a name is not a string or a term cannot be called.
+        If there is no term, a name is not a string, a term cannot be called or its weight is not
+        a finite number.
     """
 
     def __init__(self, terms: Mapping[str, Term]):
         if not terms:
             raise InvalidInput("reward must have at least one term, got none; see rewards.PRESETS")
         for name, term in terms.items():
+            if hasattr(term, "weight"):
+                number(term.weight, f"weight of reward {name!r}")  # pyright: ignore[reportAttributeAccessIssue]
             if not isinstance(name, str) or not callable(term):
                 raise InvalidInput(
                     f"reward must map names to callable terms, got {name!r}: {term!r}; "
@@ -49,9 +55,13 @@ class RewardSum(Mapping[str, Term]):
     def __call__(self, transition: Transition) -> tuple[FloatArray, dict[str, FloatArray]]:
         """Total ``(world, agent)`` and its parts by name."""
         parts = {name: term(transition) for name, term in self._terms.items()}
-        first, *others = parts.values()
-        total = first.copy()
-        for part in others:
+        total = np.zeros(transition.applied.shape[:2])
+        for name, part in parts.items():
+            if np.shape(part) != total.shape:
+                raise InvalidInput(
+                    f"reward {name!r} must return an array (world, agent) = {total.shape}, got "
+                    f"shape {np.shape(part)}; transition.per_agent repeats one value a world"
+                )
             total += part
         return total, parts
 

@@ -208,3 +208,17 @@ def test_bad_sums_name_what_is_wrong():
         rewards.PRESETS["task"].with_weights(progres=1.0)
     with pytest.raises(InvalidInput, match="at least one step"):
         rewards.recompute(rewards.PRESETS["task"], [])
+
+
+@pytest.mark.parametrize("value", [np.ones(2), np.ones((2, 1)), 1.0])
+def test_a_term_of_another_shape_is_refused_by_name(value):
+    core = Transport(num_worlds=2, reward={"odd": lambda transition: value})
+    core.reset(seed=0)
+    with pytest.raises(InvalidInput, match="reward 'odd' must return an array"):
+        core.step(np.zeros((2, 2, 3)))
+
+
+@pytest.mark.parametrize("weight", [float("nan"), "x", True])
+def test_a_weight_that_is_no_finite_number_is_refused(weight):
+    with pytest.raises(InvalidInput, match="weight of reward 'success'"):
+        rewards.RewardSum({"success": rewards.Success(weight=weight)})

@@ -6,6 +6,7 @@ from helpers import CLUTTERED, OPEN_ROOM, corners
 from scipy.integrate import solve_ivp
 
 from coopenv import Body, Box, Scene
+from coopenv.errors import BodyLost
 from coopenv.scene import WALL_THICKNESS
 from coopenv.world import SHARD_SIZE, World
 
@@ -298,3 +299,31 @@ def test_arrays_once_read_stay_as_they_were():
     one.place(np.array([1]), np.array([[0.5, 0.5, 0.5]]))
     for now, then in zip((pose, twist, impulse), kept, strict=True):
         np.testing.assert_array_equal(now, then)
+
+
+def test_an_obstacle_that_reaches_out_of_its_room_touches_no_other_world():
+    far = Scene(obstacles=(Box(center=(1.0, 0.0), size=(60.0, 0.4)),))
+    both = World([Body()] * 2, [far, Scene()], dt=0.05, substeps=2)
+    alone = World([Body()], [Scene()], dt=0.05, substeps=2)
+    start = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    both.place(np.arange(2), start)
+    alone.place(np.arange(1), start[:1])
+    for _ in range(60):
+        both.step(np.array([[0.0, -20.0, 0.0]] * 2))
+        alone.step(np.array([[0.0, -20.0, 0.0]]))
+    np.testing.assert_allclose(both.pose[1], alone.pose[0], atol=1e-9)
+    assert both.pose[0, 1] > 0
+
+
+def test_a_body_that_gets_through_a_wall_is_reported():
+    light = Body(mass=0.1, linear_drag=0.0, angular_drag=0.0)
+    many = World([light] * 64, [Scene()] * 64, dt=0.05, substeps=2)
+    many.place(np.arange(64), np.zeros((64, 3)))
+    generator = np.random.default_rng(0)
+
+    def push() -> None:
+        for _ in range(300):
+            many.step(generator.choice([-20.0, 20.0], (64, 3)))
+
+    with pytest.raises(BodyLost, match="must stay in its room"):
+        push()

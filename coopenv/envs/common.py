@@ -90,7 +90,7 @@ class Pictures:
                 self._transport.scenes,
                 mode=self._mode,
                 world=world,
-                fps=round(1 / self._transport.dt),
+                fps=max(1, round(1 / self._transport.dt)),
             )
         return self._renderers[world].draw(transition)
 

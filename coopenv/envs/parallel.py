@@ -53,7 +53,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         self.transport = Transport(config=TransportConfig.parse(keywords))
         self._pictures = Pictures(self.transport, render_mode)
         self.render_mode = render_mode
-        fps = round(1 / self.transport.dt)
+        fps = max(1, round(1 / self.transport.dt))
         self.metadata = {**self.metadata, "name": name, "render_fps": fps}
         self.possible_agents = [f"agent_{i}" for i in range(self.transport.num_agents)]
         self.agents: list[str] = []

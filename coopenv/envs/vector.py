@@ -60,7 +60,7 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         self.num_envs, self.render_mode = self.transport.num_worlds, render_mode
         self.metadata = {
             **self.metadata,
-            "render_fps": round(1 / self.transport.dt),
+            "render_fps": max(1, round(1 / self.transport.dt)),
             "autoreset_mode": self.autoreset_mode,
         }
         self.single_observation_space = team_observation_space(self.transport)
