@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coopenv.errors import MissingExtra
-
-from .files import written
+from coopenv.files import written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,10 +14,10 @@ import numpy as np
 from coopenv.arrays import FloatArray, whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.files import written
 from coopenv.transport import Transport
 
 from .episodes import Episodes, EpisodeSums
-from .files import written
 from .policy import Policy, forget
 from .seeds import evaluation_seeds
 
@@ -199,7 +199,9 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
         from rich.table import Table
     except ImportError as error:
         raise MissingExtra("the table", "train") from error
-    made = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    made = Table(
+        title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
+    )
     made.add_column("policy", min_width=11)
     for name, unit in COLUMNS:
         made.add_column(f"{name}\n{unit}", justify="right", no_wrap=True)

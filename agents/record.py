@@ -9,7 +9,6 @@ from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
 from coopenv.transport import Transport
 
-from .files import written
 from .policy import Policy, forget
 from .seeds import evaluation_seeds
 
@@ -31,9 +30,8 @@ def record_episode(
     except ImportError as error:
         raise MissingExtra("the picture of an episode", "render") from error
     pictures = episode_pictures(policy, config, seed=seed)
-    fps = round(1 / config.dt)
-    with written(path) as part:
-        save_gif(part, pictures + pictures[-1:] * round(PAUSE * fps), fps=fps)
+    fps = max(1, round(1 / config.dt))
+    save_gif(path, pictures + pictures[-1:] * round(PAUSE * fps), fps=fps)
 
 
 def episode_pictures(

@@ -23,11 +23,11 @@ from coopenv.envs.common import (
     team_observation_space,
 )
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
+from coopenv.files import written
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from .episodes import Episodes, EpisodeSums
-from .files import written
 from .settings import find_config
 
 try:
@@ -115,14 +115,16 @@ class TransportVecEnv(VecEnv):
         self.control, self.render_mode = control, render_mode
         self._rows = 1 if control == "joint" else self.transport.num_agents
         self._pictures = Pictures(self.transport, render_mode)
-        self._sums = EpisodeSums(num_worlds, self.transport.num_agents)
+        self._sums = EpisodeSums(self.transport.num_worlds, self.transport.num_agents)
         self._start_time = time.perf_counter()
         self._action: npt.NDArray = np.empty(0)
         joint = control == "joint"
         observation = team_observation_space if joint else agent_observation_space
         action = team_action_space if joint else agent_action_space
         super().__init__(
-            num_worlds * self._rows, observation(self.transport), action(self.transport)
+            self.transport.num_worlds * self._rows,
+            observation(self.transport),
+            action(self.transport),
         )
 
     def reset(self) -> npt.NDArray[np.float32]:

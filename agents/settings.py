@@ -11,8 +11,7 @@ import gymnasium
 from coopenv.arrays import positive, whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, UnknownName
-
-from .files import written
+from coopenv.files import written
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +62,7 @@ def find_config(env: str | TransportConfig, keywords: dict[str, Any]) -> Transpo
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrainConfig:
-    """PPO of Stable-Baselines3; the defaults learn BeamTransport in about a minute on one core."""
+    """PPO of Stable-Baselines3; the defaults learn BeamTransport."""
 
     environment: EnvironmentChoice = field(default_factory=EnvironmentChoice)
     control: Literal["joint", "shared"] = "joint"

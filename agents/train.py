@@ -13,10 +13,10 @@ import numpy as np
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.files import written
 
 from . import curves
 from .curves import Row
-from .files import written
 from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig

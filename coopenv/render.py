@@ -1,11 +1,9 @@
 """Pictures of a transition: who applies what, and which part of it goes nowhere."""
 
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from math import cos, sin
-from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +13,7 @@ from coopenv.body import Body
 from coopenv.canvas import Canvas, Picture, Window, around
 from coopenv.caption import Caption
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
+from coopenv.files import written
 from coopenv.look import (
     APPLIED,
     ARRIVED,
@@ -235,7 +234,7 @@ class Renderer:
 def save_png(path: str | os.PathLike, frame: npt.ArrayLike) -> None:
     """Write one picture ``(height, width, 3)`` uint8; whole or not at all."""
     image = _pillow().fromarray(_checked(frame))
-    with _whole_file(path) as file:
+    with written(path) as part, part.open("wb") as file:
         image.save(file, format="PNG", optimize=True)
 
 
@@ -256,7 +255,7 @@ def save_gif(path: str | os.PathLike, frames: Sequence[Picture], *, fps: float) 
         )
     palette = _palette(pictures)
     quantized = (images.fromarray(p).quantize(palette=palette, dither=0) for p in pictures)
-    with _whole_file(path) as file:
+    with written(path) as part, part.open("wb") as file:
         next(quantized).save(
             file,
             format="GIF",
@@ -286,19 +285,6 @@ def _palette(pictures: Sequence[Picture]) -> Any:
     palette = images.new("P", (1, 1))
     palette.putpalette(np.concatenate(entries).tolist())
     return palette
-
-
-@contextmanager
-def _whole_file(path: str | os.PathLike) -> Iterator[BinaryIO]:
-    """A file that takes its name only once it is written."""
-    target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        with temporary.open("wb") as file:
-            yield file
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _checked(frame: npt.ArrayLike) -> Picture:
