@@ -19,6 +19,9 @@ def run(blocks: list[str]) -> dict[str, Any]:
 def test_every_python_block_of_the_readme_runs():
     pytest.importorskip("stable_baselines3")
     text = README.read_text().replace("learn(200_000, progress_bar=True)", "learn(1)")
+    text = text.replace(
+        'PPO("MlpPolicy", venv)', 'PPO("MlpPolicy", venv, n_steps=8, batch_size=16)'
+    )
     text = text.replace("num_worlds=64", "num_worlds=2")
     blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     assert len(blocks) >= 6

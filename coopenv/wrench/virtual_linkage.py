@@ -46,5 +46,6 @@ def _projection(grips: FloatArray) -> FloatArray:
     index = np.arange(len(first))
     columns[..., index, first, :] = line
     columns[..., index, second, :] = -line
-    matrix = np.swapaxes(columns.reshape(*grips.shape[:-2], len(first), -1), -1, -2)
+    shape = (*grips.shape[:-2], len(first), num_effectors * dimension)
+    matrix = np.swapaxes(columns.reshape(shape), -1, -2)
     return matrix @ np.linalg.pinv(matrix)
