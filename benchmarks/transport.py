@@ -1,8 +1,9 @@
 """Environment steps per second, beside the bare physics and VMAS in the same run.
 
 Everything is on: decomposition, measures, default reward, observation and infos. "Bare" is what
-pymunk itself costs for the same worlds: set every body's force, step, read every pose and twist,
-five times a control step or as often as the default has substeps. VMAS, where it is installed, runs
+pymunk itself costs for the same bodies, moving as briskly: set every force, step, read every pose
+and twist, five times a control step or as often as the default has substeps. VMAS, where it is
+installed, runs
 its two-agent ``transport`` at the same number of worlds.
 """
 
@@ -19,7 +20,6 @@ import numpy as np
 import pymunk.batch as batch
 
 from coopenv import Transport
-from coopenv.world import World
 
 SIZES = (1, 16, 256, 1024)
 REPEATS = 9
@@ -45,8 +45,8 @@ def compare(num_worlds: int) -> Row:
     core = Transport(num_worlds=num_worlds)
     runs: dict[str, Callable[[], float]] = {
         "full": lambda: full_step(core, steps),
-        "five": lambda: bare_step(core.world, 5, steps),
-        "same": lambda: bare_step(core.world, core.substeps, steps),
+        "five": lambda: bare_step(core, 5, steps),
+        "same": lambda: bare_step(core, core.substeps, steps),
     }
     if find_spec("vmas"):
         runs["vmas"] = vmas_run(num_worlds, max(20, steps // 10))
@@ -68,42 +68,51 @@ def compare(num_worlds: int) -> Row:
 
 def full_step(core: Transport, steps: int) -> float:
     """Seconds a batched control step, resets of ended worlds included."""
-    actions = np.random.default_rng(0).uniform(-1, 1, (20, core.num_worlds, core.num_agents, 3))
+    actions = np.random.default_rng(0).uniform(-1, 1, (steps, core.num_worlds, core.num_agents, 3))
     core.reset(seed=0)
     began = time.perf_counter()
     for k in range(steps):
-        *_, terminated, truncated, _ = core.step(actions[k % 20])
+        *_, terminated, truncated, _ = core.step(actions[k])
         ended = terminated | truncated
         if ended.any():
             core.reset(mask=ended)
     return (time.perf_counter() - began) / steps
 
 
-def bare_step(world: World, substeps: int, steps: int) -> float:
-    """Seconds that pymunk alone takes for the same spaces: forces in, step, poses out."""
-    start = np.zeros((world.num_worlds, 3))
-    start[:, 2] = np.random.default_rng(0).uniform(-np.pi, np.pi, world.num_worlds)
-    world.place(np.arange(world.num_worlds), start)  # at rest in mid-room: no contacts
+def bare_step(core: Transport, substeps: int, steps: int) -> float:
+    """Seconds that pymunk alone takes for the same bodies: forces in, step, poses out.
+
+    They start where the core starts them and move as briskly: random wrenches of the team's
+    strength, new in every control step, and pymunk's own damping in place of the drag.
+    """
+    core.reset(seed=0)
     fields = batch.BodyFields
     told = fields.FORCE | fields.TORQUE
     asked = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
+    generator, body = np.random.default_rng(0), core.bodies[0]
+    strength = core.num_agents * core.team.limits[0, 0, [0, 0, 1]]  # [N, N, N·m]
     spaces = []
-    for space in world.spaces:
-        forces = np.zeros((len(space.bodies) + 2, 3))
-        forces[: len(space.bodies)] = np.random.default_rng(0).normal(size=(len(space.bodies), 3))
+    for space in core.world.spaces:
+        space.damping = np.exp(-body.linear_drag / body.mass)  # of velocity kept, a second
+        count = len(space.bodies)
+        forces = strength * generator.uniform(-1, 1, (steps, count + 2, 3))
         command, report = batch.Buffer(), batch.Buffer()
-        command.set_float_buf(forces)
-        spaces.append((space, command, report))
+        command.set_float_buf(np.zeros((count + 2, 3)))
+        spaces.append((space, forces, command, report))
     began = time.perf_counter()
-    for _ in range(steps):
-        for space, command, report in spaces:
+    for step in range(steps):
+        for space, forces, command, report in spaces:
             for _ in range(substeps):
+                command.set_float_buf(forces[step])
                 batch.set_space_bodies(space, told, command)
-                space.step(0.05 / substeps)
+                space.step(core.dt / substeps)
                 report.clear()
                 batch.get_space_bodies(space, asked, report)
                 np.frombuffer(report.float_buf())
-    return (time.perf_counter() - began) / steps
+    elapsed = time.perf_counter() - began
+    for space in core.world.spaces:
+        space.damping = 1.0
+    return elapsed / steps
 
 
 def vmas_run(num_worlds: int, steps: int) -> Callable[[], float]:

@@ -94,14 +94,19 @@ class Transition:
     _decompositions: dict[Settings, Decomposition] = field(
         init=False, default_factory=dict, repr=False
     )
+    _own: list[Decomposition] = field(init=False, default_factory=list, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_decompositions": {}}  # computed again when asked for
+        return {**self.__dict__, "_decompositions": {}, "_own": []}  # computed again when asked for
 
     @property
     def decomposition(self) -> Decomposition:
         """Of ``applied``, under the environment's settings."""
-        return self.decompose(self.team.settings)
+        found = self._own[0] if self._own else None  # hashing settings costs more than this
+        if found is None:
+            found = self.decompose(self.team.settings)
+            self._own.append(found)
+        return found
 
     def decompose(self, settings: Settings) -> Decomposition:
         """Of ``applied``, under other settings; computed once a step for each."""

@@ -57,7 +57,7 @@ class RewardSum(Mapping[str, Term]):
         parts = {name: term(transition) for name, term in self._terms.items()}
         total = np.zeros(transition.applied.shape[:2])
         for name, part in parts.items():
-            if np.shape(part) != total.shape:
+            if getattr(part, "shape", None) != total.shape:
                 raise InvalidInput(
                     f"reward {name!r} must return an array (world, agent) = {total.shape}, got "
                     f"shape {np.shape(part)}; transition.per_agent repeats one value a world"

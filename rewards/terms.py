@@ -9,7 +9,11 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
-from coopenv.wrench import Settings
+from coopenv.wrench import Decomposition, Settings
+
+
+def _decomposition(transition: Transition, settings: Settings | None) -> Decomposition:
+    return transition.decomposition if settings is None else transition.decompose(settings)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +65,7 @@ class InternalForce:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        internal = transition.decompose(self.settings or transition.team.settings).internal
+        internal = _decomposition(transition, self.settings).internal
         return -self.weight * np.hypot(internal[..., 0], internal[..., 1])
 
 
@@ -77,7 +81,7 @@ class InternalTorque:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        internal = transition.decompose(self.settings or transition.team.settings).internal
+        internal = _decomposition(transition, self.settings).internal
         grips = transition.team.grips
         torque = grips[..., 0] * internal[..., 1] - grips[..., 1] * internal[..., 0]
         return -self.weight * np.abs(torque + internal[..., 2])
@@ -92,7 +96,7 @@ class RelativeCost:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        decomposition = transition.decompose(self.settings or transition.team.settings)
+        decomposition = _decomposition(transition, self.settings)
         return transition.per_agent(decomposition.relative_cost, -self.weight)
 
 
