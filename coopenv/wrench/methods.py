@@ -18,9 +18,7 @@ from coopenv.wrench import (
 if TYPE_CHECKING:
     from coopenv.wrench.settings import Settings
 
-Answer: TypeAlias = (
-    tuple[FloatArray, FloatArray | None] | tuple[FloatArray, FloatArray, BoolArray]
-)
+Answer: TypeAlias = tuple[FloatArray, FloatArray | None] | tuple[FloatArray, FloatArray, BoolArray]
 """Manipulation wrenches; the gap ``(...)`` [N] of their cost, or None; where `conic` stepped in."""
 
 Solve: TypeAlias = Callable[[FloatArray], Answer]
