@@ -14,7 +14,7 @@ from coopenv.agents import sb3
 class Config:
     """What can be changed: ``python examples/train_ppo.py --reward harmony``."""
 
-    total_steps: int = 600_000  # control steps over all worlds; 200,000 succeed nearly always
+    total_steps: int = 600_000  # control steps over all worlds
     num_worlds: int = 64  # stepped together
     control: str = "joint"  # one policy for the team, or "shared": the same one for each agent
     reward: str = "task"  # or "harmony": a price on the relative cost γ as well
