@@ -132,3 +132,29 @@ def test_internal_torque_level_is_half_of_what_cancels():
     d = wrench.decompose([[0.0, 0.0, 3.0], [0.0, 0.0, -1.0]], BEAM)
     assert d.internal_torque_level == pytest.approx(1.0)
     assert d.internal_force_level == 0.0
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_measures_take_time_series_with_one_twist_a_row(dimension):
+    rng = np.random.default_rng(6)
+    size = 3 * dimension - 3
+    applied, grips = rng.normal(size=(2, 50, 3, size)), rng.normal(size=(50, 3, dimension))
+    twist = rng.normal(size=(50, size))
+    energy, load = wrench.energy_share(applied, grips, twist), wrench.load_share(applied, grips)
+    assert energy.total.shape == load.torque.shape == (2, 50, 3)
+    assert energy.internal_power.shape == (2, 50)
+    one = wrench.energy_share(applied[1, 7], grips[7], twist[7])
+    np.testing.assert_array_equal(energy.angular[1, 7], one.angular)
+    assert energy.internal_power[1, 7] == one.internal_power
+    np.testing.assert_array_equal(
+        load.force[0, 3], wrench.load_share(applied[0, 3], grips[3]).force
+    )
+
+
+def test_one_wrench_may_meet_many_twists():
+    twist = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    share = wrench.energy_share([[3.0, 1.0, 0.0], [1.0, 1.0, 0.5]], BEAM, twist)
+    np.testing.assert_allclose(share.linear[0], [0.75, 0.25])
+    np.testing.assert_allclose(share.angular[1], [0.0, 1.0])
+    np.testing.assert_array_equal(np.isnan(share.total).all(axis=-1), [False, False, True])
+    np.testing.assert_allclose(share.internal_power, [0.0, 0.9, 0.0])

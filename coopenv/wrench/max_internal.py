@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench.forces_only import forces_of, without_torque
 from coopenv.wrench.grasp import grasp_matrix
 from coopenv.wrench.max_internal_bound import best_bound
@@ -30,10 +30,11 @@ if TYPE_CHECKING:
     from coopenv.wrench.methods import Prepared
     from coopenv.wrench.settings import Settings
 
-STARTS, KEPT = 24, 4  # random directions, besides the bound's own; the best go on to the end
+TRIED, STARTS, KEPT = 20, 16, 5  # directions looked along for a start; starts; climbed to the end
+SWEEPS = 6  # of the projection of random directions on the plausible ones
 EARLY, LATE, STEPS = 3, 7, 6  # rounds of the climb for all and for the best; Newton steps in each
-PENALTY, GROWTH = 4.0, 4.0  # of leaving a ball, for lengths of order 1; its growth with each round
-CHUNK = 1000  # samples at a time, for the memory's sake
+PENALTY, GROWTH = 200.0, 4.0  # of leaving a ball, forces being of order 1; growth with each round
+CHUNK = 250  # samples at a time, for the memory's sake
 NEGLIGIBLE = 1e-12  # part of the largest force below which a force has no part in it
 CLOSED = 1e-9  # relative gap below which no further start is tried
 
@@ -116,17 +117,39 @@ def _climb_from_many(
     """Best of the climbs from the bound's own point and from random ones, ``(batch, m)``."""
     gram = np.einsum("bndi,bndj->bnij", basis, basis)
     pull = np.einsum("bndm,bnd->bnm", basis, force)
-    random = np.random.default_rng(0).normal(size=(STARTS, 1, z.shape[-1])) * free * 0.5
-    ends = np.concatenate([z[None], random])  # (start, batch, m)
+    starts = np.concatenate([z[None], _directions(basis, force, pull, free)])  # (start, batch, m)
+    ends = starts = _on_boundary(starts, basis, force)
     multiplier = np.zeros((*ends.shape[:-1], force.shape[-2]))
     ends, multiplier = _climb(ends, gram, pull, multiplier, PENALTY, EARLY)
-    best = -(_on_boundary(ends, basis, force) ** 2).sum(axis=-1)
-    kept = best.argsort(axis=0)[:KEPT, :, None]
+    kept = _ranked(_on_boundary(ends, basis, force))[:KEPT, :, None]
     ends, multiplier = (np.take_along_axis(a, kept, axis=0) for a in (ends, multiplier))
     ends, _ = _climb(ends, gram, pull, multiplier, PENALTY * GROWTH**EARLY, LATE)
-    ends = _on_boundary(np.concatenate([ends, z[None]]), basis, force)
-    best = (ends**2).sum(axis=-1).argmax(axis=0)
-    return np.take_along_axis(ends, best[None, :, None], axis=0)[0]
+    ends = np.concatenate([_on_boundary(ends, basis, force), starts])
+    return np.take_along_axis(ends, _ranked(ends)[:1, :, None], axis=0)[0]
+
+
+def _directions(
+    basis: FloatArray, force: FloatArray, pull: FloatArray, free: BoolArray
+) -> FloatArray:
+    """Starts ``(STARTS, batch, m)``, each the longest of a few random plausible directions."""
+    generator = np.random.default_rng(0)
+    z = generator.normal(size=(STARTS * TRIED, 1, free.shape[-1])) * free
+    margin = generator.uniform(0.0, 0.5, size=(len(z), 1, 1))
+    length = np.maximum(np.linalg.norm(pull, axis=-1, keepdims=True), NEGLIGIBLE)
+    normal = pull / length
+    for _ in range(SWEEPS):  # towards f_iᵀN_i z > 0
+        z /= np.maximum(np.linalg.norm(z, axis=-1, keepdims=True), NEGLIGIBLE)
+        for i in range(normal.shape[1]):
+            missing = margin - (z * normal[:, i]).sum(axis=-1, keepdims=True)
+            z += np.maximum(missing, 0.0) * normal[:, i]
+    z = _on_boundary(z, basis, force).reshape(STARTS, TRIED, *free.shape)
+    longest = (z**2).sum(axis=-1).argmax(axis=1)
+    return np.take_along_axis(z, longest[:, None, :, None], axis=1)[:, 0]
+
+
+def _ranked(ends: FloatArray) -> IntArray:
+    """Indices of the starts of each sample, longest first ``(start, batch)``."""
+    return (-(ends**2).sum(axis=-1)).argsort(axis=0, kind="stable")
 
 
 def _climb(

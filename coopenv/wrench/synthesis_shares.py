@@ -4,7 +4,9 @@ f_i = α_f,i f_o: parallel forces leave nothing to compensate. The torque that r
 torques is T = t_o − Σ r_i × f_i, and t_i = β_i T with β_i ≥ 0 leaves nothing either. The torque
 shares say what part of T each must supply:
 
-    β_i = (α_t,i ‖t_o‖ − (r_i × f_i)·t_o/‖t_o‖) / (T·t_o/‖t_o‖)
+    β_i = (c_i − (r_i × f_i)·t_o/‖t_o‖) / (T·t_o/‖t_o‖),  c_i = κ α_t,i ‖t_o‖
+
+where κ = 1, unless effectors of share 0 turn against t_o, c_i < 0, and the others make up for it.
 """
 
 import numpy as np
@@ -40,7 +42,7 @@ def find(
     applied = np.zeros((*grips.shape[:-1], wanted.shape[-1]))
     applied[..., :dimension] = share[..., None] * resultant
     left = wanted[:, dimension:] - moment(grips, applied).sum(axis=-2)  # T (batch, 1 or 3)
-    supply = asked - share * lever
+    supply = _contributions(asked, share * lever, length[..., 0]) - share * lever
     total = supply.sum(axis=-1, keepdims=True)
     size = np.abs(supply).sum(axis=-1, keepdims=True) + np.abs(share * lever).sum(-1, keepdims=True)
     nothing = np.abs(total) <= ROUNDING * size
@@ -50,6 +52,23 @@ def find(
     blocked = (part < -ROUNDING) | (nothing & (np.abs(supply) > ROUNDING * size))
     applied[blocked.any(axis=-1)] = np.nan
     return applied
+
+
+def _contributions(asked: FloatArray, induced: FloatArray, torque: FloatArray) -> FloatArray:
+    """What each effector supplies along t_o, c_i ``(batch, n)`` [N·m]; of sum ‖t_o‖.
+
+    What is left for pure torques, c_i − induced_i, is to have the same sign everywhere.
+    """
+    none = asked <= 0.0  # False where open
+    against = np.where(none, np.maximum(-induced, 0.0), 0.0)
+    room = against.sum(axis=-1, keepdims=True)
+    needed = np.where(asked > 0.0, induced / np.where(asked > 0.0, asked, 1.0), 1.0)
+    scale = np.where(room > 0, np.maximum(needed.max(axis=-1, keepdims=True), 1.0), 1.0)
+    excess = (scale - 1.0) * torque / np.where(room > 0, room, 1.0)
+    same = np.where(none, -against * excess, scale * asked)  # T along t_o
+    scale = 1.0 + room / np.where(torque > 0, torque, 1.0)
+    other = np.where(none, -against, scale * asked)  # T against t_o
+    return np.where(torque >= induced.sum(axis=-1, keepdims=True), same, other)
 
 
 def _free_share(lever: FloatArray, asked: FloatArray) -> FloatArray:
