@@ -54,6 +54,8 @@ class Train:
 
         out, config = self.training.out, self.training.environment.config()
         console = Console()
+        if (out / "checkpoint.zip").exists() and not self.training.fresh:
+            console.print(f"going on from the checkpoint in {out}", markup=False)
         with _training_progress(self.training.steps, console) as report:
             trained = train(self.training, report=report)
         with console.status(f"evaluating on {self.episodes} held-out episodes"):

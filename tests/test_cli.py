@@ -47,6 +47,26 @@ def test_train_prints_the_table_and_leaves_its_files(tmp_path, capsys):
     assert table[2]["relative_cost"] < 1e-6
 
 
+def test_the_same_command_goes_on_after_an_interruption(tmp_path, monkeypatch, capsys):
+    from coopenv.agents import train
+
+    means = train._means
+
+    def interrupted(ended):
+        if (tmp_path / "checkpoint.zip").exists():
+            raise KeyboardInterrupt
+        return means(ended)
+
+    options = (*TINY, "--checkpoint-every=1", "--episodes=2", "--no-gif", f"--out={tmp_path}")
+    with monkeypatch.context() as patch:
+        patch.setattr(train, "_means", interrupted)
+        assert run("train", *options) == 130
+    assert "go on" in capsys.readouterr().err
+    assert run("train", *options) == 0
+    assert "going on from the checkpoint" in capsys.readouterr().out
+    assert (tmp_path / "policy.zip").exists()
+
+
 def test_evaluate_takes_the_environment_a_policy_was_trained_in(tmp_path, capsys):
     out = tmp_path / "blind"
     options = ("--observe", "goal", "twist", "--no-gif", "--episodes", 2, "--out", out)
@@ -96,15 +116,6 @@ def test_without_the_drawing_extra_there_is_a_note_instead_of_a_gif(tmp_path, mo
     assert run("train", *TINY, "--episodes", 2, "--out", tmp_path) == 0
     assert "coopenv[render]" in " ".join(capsys.readouterr().out.split())
     assert not (tmp_path / "episode.gif").exists()
-
-
-def test_an_interruption_says_how_to_go_on(monkeypatch, capsys):
-    def interrupted(self):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(cli.Evaluate, "run", interrupted)
-    assert run("evaluate", "random") == 130
-    assert "go on" in capsys.readouterr().err
 
 
 def test_the_installed_command_explains_itself_without_loading_torch():
