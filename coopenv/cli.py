@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
+from coopenv.agents.studies.commands import Beam, Dyads
 from coopenv.config import TransportConfig
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
 
@@ -128,7 +129,18 @@ class Evaluate:
         return self.environment
 
 
-COMMANDS: dict[str, type[Command]] = {"train": Train, "evaluate": Evaluate}
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Run a study of the paper and check its claims, or analyse recorded trials the same way."""
+
+    study: Beam | Dyads
+
+    def run(self) -> None:
+        """Run it."""
+        self.study.run()
+
+
+COMMANDS: dict[str, type[Command]] = {"train": Train, "evaluate": Evaluate, "study": Study}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -155,7 +167,11 @@ def _read(arguments: Sequence[str] | None) -> Command:
         prog="coopenv",
         description="Learn to carry things together.",
         args=arguments,
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.PositionalRequiredArgs),
+        config=(
+            tyro.conf.OmitArgPrefixes,
+            tyro.conf.OmitSubcommandPrefixes,
+            tyro.conf.PositionalRequiredArgs,
+        ),
     )
 
 

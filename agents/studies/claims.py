@@ -105,18 +105,23 @@ def number(value: float) -> str:
 
 def table(claims: Sequence[Claim], title: str | None = None) -> "Table":
     """The claims as a rich table."""
-    try:
-        from rich.box import SIMPLE_HEAD
-        from rich.table import Table
-    except ImportError as error:
-        raise MissingExtra("the table of claims", "analysis") from error
-    made = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    made = _empty_table(title)
     rows = [claim.row() for claim in claims]
     for name in _shown(rows):
         made.add_column(name, ratio=3 if name in ("claim", "why") else None)
     for claim, row in zip(claims, rows, strict=True):
         cells = [row[name] for name in _shown(rows)]
         made.add_row(*cells, style=None if claim.holds else "bold red")
+    return made
+
+
+def plain_table(rows: Sequence[dict[str, str]], title: str | None = None) -> "Table":
+    """Rows with the same columns as a rich table."""
+    made = _empty_table(title)
+    for name in _shown(rows):
+        made.add_column(name)
+    for row in rows:
+        made.add_row(*(row[name] for name in _shown(rows)))
     return made
 
 
@@ -147,3 +152,12 @@ def save_rows(rows: Sequence[dict[str, str]], stem: str | os.PathLike) -> list[s
 
 def _shown(rows: Sequence[dict[str, str]]) -> list[str]:
     return [name for name in rows[0] if any(row[name] for row in rows)]
+
+
+def _empty_table(title: str | None) -> "Table":
+    try:
+        from rich.box import SIMPLE_HEAD
+        from rich.table import Table
+    except ImportError as error:
+        raise MissingExtra("the table of claims", "analysis") from error
+    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)

@@ -1,0 +1,107 @@
+"""``coopenv study <name>``: runs a study, prints its table, writes figures, tables and data."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from coopenv.errors import MissingExtra
+from coopenv.scene import Box
+
+from .beam import BeamConfig
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rich.console import Console
+
+    from .claims import Claim
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beam:
+    """A beam carried without disagreement, and what each method calls internal (Figs. 12, 13)."""
+
+    simulation: BeamConfig = field(default_factory=BeamConfig)
+    out: Path = Path("runs/study_beam")
+    """Folder for figures, tables and data."""
+
+    def run(self) -> None:
+        """Simulate, decompose, check, write."""
+        console = _console()
+        from . import beam, beam_report
+
+        with console.status("carrying the beam"):
+            run = beam.simulate(self.simulation)
+        with console.status("decomposing and drawing"):
+            found, files = beam_report.write(run, self.out)
+        _print_claims(console, found, "beam: the claims of section V-C")
+        _print_files(console, self.out, files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dyads:
+    """The analysis of the human study (Figs. 15, 16) on recorded trials of pairs.
+
+    Columns are in coopenv.agents.studies.trials: pair, condition (one, both, none), trial, time,
+    pose, both agents' wrenches and grips, and first, the agent that enters the final platform
+    first.
+    """
+
+    files: tuple[Path, ...]
+    """CSV or Parquet files of trials, taken together."""
+    platform: tuple[float, float, float, float] | None = None
+    """Final platform where the files do not say who is first: its centre x y, its width height."""
+    window: float = 0.6
+    """Start of a trial over which T_I is averaged [s]."""
+    out: Path = Path("runs/study_dyads")
+    """Folder for figures, tables and data."""
+
+    def run(self) -> None:
+        """Read, analyse, write."""
+        console = _console()
+        from . import dyads, dyads_report, trials
+
+        table = trials.read_trials(self.files)
+        if self.platform is not None:
+            x, y, width, height = self.platform
+            box = Box(center=(x, y), size=(width, height))
+            table = table.assign(first=trials.first_to_enter(table, box))
+        with console.status("analysing"):
+            analysis = dyads.analyse(table, window=self.window)
+            found, files = dyads_report.write(analysis, self.out)
+        _print_rows(console, dyads_report.comparison(analysis), "beside the people of section VI")
+        _print_rows(console, dyads_report.effect_rows(analysis), "repeated-measures ANOVA")
+        _print_claims(console, found, "dyads: what was found in people, here")
+        for note in analysis.notes:
+            console.print(f"note: {note}", markup=False, highlight=False)
+        _print_files(console, self.out, files)
+
+
+def _console() -> "Console":
+    try:
+        import matplotlib  # noqa: F401  - everything a study needs, before it computes anything
+        import pandas  # noqa: F401
+        import statsmodels  # noqa: F401
+        from rich.console import Console
+    except ImportError as error:
+        raise MissingExtra("a study", "analysis") from error
+    return Console()
+
+
+def _print_claims(console: "Console", found: "Sequence[Claim]", title: str) -> None:
+    from .claims import table
+
+    console.print(table(found, title))
+    failed = sum(not claim.holds for claim in found)
+    console.print(f"{len(found) - failed} of {len(found)} hold")
+
+
+def _print_rows(console: "Console", rows: "Sequence[dict[str, str]]", title: str) -> None:
+    from .claims import plain_table
+
+    if rows:
+        console.print(plain_table(rows, title))
+
+
+def _print_files(console: "Console", out: Path, files: "Sequence[str]") -> None:
+    console.print(f"in {out}: {', '.join(files)}", markup=False, highlight=False)

@@ -1,0 +1,199 @@
+"""Recorded trials of pairs as one long table, simulated or measured.
+
+One row a sample. Columns:
+
+    pair, condition, trial     whose trial it is; condition is the guide: "one", "both", "none"
+    time                       [s], increasing within a trial
+    x, y, theta                pose of the object, world frame [m, rad]
+    f1x, f1y, t1z, f2x, ...    applied wrench of each agent, object frame [N, N·m]
+    r1x, r1y, r2x, r2y         grips, object frame [m]
+    first                      optional: the agent (1 or 2) that enters the final platform first,
+                               0 where neither does or both at once; the same all through a trial
+
+Further columns, such as vx, vy, omega, are left alone.
+"""
+
+import os
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.errors import InvalidInput
+from coopenv.scene import Box
+
+KEYS = ("pair", "condition", "trial")
+POSE = ("x", "y", "theta")
+WRENCHES = ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z")
+GRIPS = ("r1x", "r1y", "r2x", "r2y")
+COLUMNS = (*KEYS, "time", *POSE, *WRENCHES, *GRIPS)
+
+
+def read_trials(paths: Sequence[str | os.PathLike]) -> pd.DataFrame:
+    """Read CSV or Parquet files of the columns above into one checked table.
+
+    Raises
+    ------
+    InvalidInput
+        If a file does not exist, is neither CSV nor Parquet, or `checked_trials` refuses it; the
+        message names the file.
+    """
+    if not paths:
+        raise InvalidInput("files must be given, got none; name CSV or Parquet files of trials")
+    tables = []
+    for path in map(Path, paths):
+        readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet}
+        if path.suffix not in readers or not path.is_file():
+            raise InvalidInput(
+                f"files must be existing .csv or .parquet files, got {os.fspath(path)!r}; "
+                "see coopenv.agents.studies.trials for the columns"
+            )
+        try:
+            tables.append(checked_trials(readers[path.suffix](path)))
+        except (InvalidInput, ValueError) as error:
+            raise InvalidInput(f"{path}: {error}") from error
+    return checked_trials(pd.concat(tables, ignore_index=True))
+
+
+def checked_trials(trials: pd.DataFrame) -> pd.DataFrame:
+    """The trials, one after the other in order of time, with a fresh index.
+
+    Raises
+    ------
+    InvalidInput
+        If a column is missing, a number is not finite, two samples of a trial have the same time,
+        or ``first`` is not 0, 1 or 2 all through a trial.
+    """
+    missing = [name for name in COLUMNS if name not in trials.columns]
+    if missing:
+        raise InvalidInput(
+            f"trials must have the columns {', '.join(COLUMNS)}, got none named "
+            f"{', '.join(missing)}; rename or add them"
+        )
+    if trials.empty:
+        raise InvalidInput("trials must hold samples, got none; check the files")
+    for name in KEYS:
+        if trials[name].isna().any():
+            row = trials.index[int(trials[name].isna().to_numpy().argmax())]
+            raise InvalidInput(f"{name} must be known in every row, got none in row {row}; fill it")
+    for name in COLUMNS[len(KEYS) :]:
+        values = pd.to_numeric(trials[name], errors="coerce").to_numpy(dtype=np.float64)
+        if not np.isfinite(values).all():
+            row = int((~np.isfinite(values)).argmax())
+            raise InvalidInput(
+                f"{name} must be a finite number, got {trials[name].iloc[row]!r} in row "
+                f"{trials.index[row]}; remove or interpolate missing samples first"
+            )
+    ordered = trials.sort_values([*KEYS, "time"], kind="stable", ignore_index=True)
+    number = trial_numbers(ordered)
+    same = (np.diff(number) == 0) & (np.diff(ordered["time"].to_numpy(np.float64)) <= 0)
+    if same.any():
+        key = ordered.loc[int(same.argmax()), list(KEYS)].tolist()
+        raise InvalidInput(
+            f"time must increase within a trial, got {ordered['time'][int(same.argmax())]} s twice "
+            f"in (pair, condition, trial) {key}; number repeated trials"
+        )
+    if "first" in ordered.columns:
+        _check_first(ordered)
+    return ordered
+
+
+def first_to_enter(trials: pd.DataFrame, platform: Box) -> IntArray:
+    """Which agent's grip enters ``platform`` first, ``(rows,)``, the same all through a trial.
+
+    1 or 2; 0 where neither enters, or both do at the same sample.
+
+    Parameters
+    ----------
+    trials
+        As `checked_trials` returns them.
+    platform
+        The final platform, world frame; only its outline matters.
+    """
+    inside = np.stack([_inside(_grip_world(trials, i), platform) for i in (1, 2)], axis=-1)
+    number = trial_numbers(trials)
+    first = np.zeros(len(trials), dtype=np.int64)
+    for rows in rows_by_trial(number):
+        entered = np.where(inside[rows].any(axis=0), inside[rows].argmax(axis=0), len(trials))
+        first[rows] = 0 if entered[0] == entered[1] else 1 + int(entered.argmin())
+    return first
+
+
+def applied_wrenches(trials: pd.DataFrame) -> FloatArray:
+    """``(rows, 2, 3)`` object frame [N, N·m]."""
+    return trials[list(WRENCHES)].to_numpy(dtype=np.float64).reshape(-1, 2, 3)
+
+
+def grip_positions(trials: pd.DataFrame) -> FloatArray:
+    """``(rows, 2, 2)``, or ``(2, 2)`` where they never change; object frame [m]."""
+    grips = trials[list(GRIPS)].to_numpy(dtype=np.float64).reshape(-1, 2, 2)
+    return grips[0] if (grips == grips[0]).all() else grips
+
+
+def trial_numbers(trials: pd.DataFrame) -> IntArray:
+    """``(rows,)``: 0, 1, ... for the trials as they occur."""
+    return trials.groupby(list(KEYS), sort=False, observed=True).ngroup().to_numpy(np.int64)
+
+
+def rows_by_trial(number: IntArray) -> list[slice]:
+    """The rows of each trial; they follow each other."""
+    edges = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(number)]
+    return [slice(start, stop) for start, stop in pairwise(edges)]
+
+
+def elapsed(trials: pd.DataFrame) -> FloatArray:
+    """Time since the first sample of the trial ``(rows,)`` [s]."""
+    time = trials["time"].to_numpy(dtype=np.float64)
+    return np.concatenate([time[rows] - time[rows][0] for rows in _rows(trials)])
+
+
+def durations(trials: pd.DataFrame) -> FloatArray:
+    """Time that each sample stands for, up to the next one ``(rows,)`` [s]; the last as before."""
+    time = trials["time"].to_numpy(dtype=np.float64)
+    parts = []
+    for rows in _rows(trials):
+        steps = np.diff(time[rows])
+        parts.append(np.append(steps, steps[-1]) if len(steps) else np.ones(1))
+    return np.concatenate(parts)
+
+
+def turned(trials: pd.DataFrame) -> FloatArray:
+    """Largest angle turned so far in the trial, either way ``(rows,)`` [rad]."""
+    angle = trials["theta"].to_numpy(dtype=np.float64)
+    parts = []
+    for rows in _rows(trials):
+        unwrapped = np.unwrap(angle[rows])
+        parts.append(np.maximum.accumulate(np.abs(unwrapped - unwrapped[0])))
+    return np.concatenate(parts)
+
+
+def _rows(trials: pd.DataFrame) -> list[slice]:
+    return rows_by_trial(trial_numbers(trials))
+
+
+def _check_first(trials: pd.DataFrame) -> None:
+    known = trials["first"].isin([0, 1, 2])
+    varying = trials.groupby(list(KEYS), observed=True)["first"].nunique() > 1
+    if not known.all() or varying.any():
+        got = trials["first"][~known].iloc[0] if not known.all() else varying.index[varying][0]
+        raise InvalidInput(
+            f"first must be 0, 1 or 2 and the same all through a trial, got {got!r}; "
+            "it is the agent that enters the final platform first"
+        )
+
+
+def _grip_world(trials: pd.DataFrame, agent: int) -> FloatArray:
+    x, y, angle = trials[list(POSE)].to_numpy(dtype=np.float64).T
+    across, up = trials[[f"r{agent}x", f"r{agent}y"]].to_numpy(dtype=np.float64).T
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([x + c * across - s * up, y + s * across + c * up], axis=-1)
+
+
+def _inside(points: FloatArray, box: Box) -> np.ndarray:
+    away = points - np.array(box.center)
+    c, s = np.cos(box.angle), np.sin(box.angle)
+    own = np.stack([c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]], axis=-1)
+    return (np.abs(own) <= np.array(box.size) / 2).all(axis=-1)

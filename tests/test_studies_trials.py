@@ -1,0 +1,83 @@
+"""Tables of trials: their checks, and what is computed within each trial."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+pytest.importorskip("pyarrow")
+
+from study_trials import DT, STEPS, make_trials
+
+from coopenv.agents.studies import trials
+from coopenv.errors import InvalidInput
+from coopenv.scene import Box
+
+
+def test_trials_come_back_from_files_in_order_of_time(tmp_path):
+    table = make_trials(pairs=2)
+    shuffled = table.sample(frac=1, random_state=0)
+    shuffled[shuffled["pair"] == 0].to_csv(tmp_path / "a.csv", index=False)
+    shuffled[shuffled["pair"] == 1].to_parquet(tmp_path / "b.parquet")
+    found = trials.read_trials([tmp_path / "b.parquet", tmp_path / "a.csv"])
+    expected = table.sort_values(["pair", "condition", "trial", "time"], ignore_index=True)
+    pd.testing.assert_frame_equal(found, expected, check_dtype=False)
+
+
+def test_time_turn_and_duration_are_those_of_the_trial():
+    table = trials.checked_trials(make_trials(pairs=1, trials=2, spin=-2.0))
+    time = DT * np.arange(STEPS)
+    np.testing.assert_allclose(trials.elapsed(table), np.tile(time, 6), atol=1e-12)
+    np.testing.assert_allclose(trials.durations(table), DT)
+    np.testing.assert_allclose(trials.turned(table), np.tile(2 * time, 6), atol=1e-9)
+
+
+def test_turned_keeps_its_largest_value():
+    table = make_trials(pairs=1, trials=1).query("condition == 'one'")
+    swing = 3.0 + np.sin(np.linspace(0, np.pi, STEPS))
+    table = trials.checked_trials(table.assign(theta=swing))
+    assert trials.turned(table)[-1] == pytest.approx(1.0, abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("angle", "first"), [(0.0, 2), (np.pi, 1), (np.pi / 2, 0), (-np.pi / 2, 0), (1.0, 2)]
+)
+def test_the_leading_grip_enters_the_platform_first(angle, first):
+    table = make_trials(pairs=1, trials=1).assign(theta=angle)  # moves along x from 0 to about 1 m
+    table = trials.checked_trials(table)
+    platform = Box(center=(2.6, 0.0), size=(2.0, 6.0))
+    assert (trials.first_to_enter(table, platform) == first).all()
+
+
+def test_nobody_enters_a_platform_far_away_and_a_turned_one_is_met_askew():
+    table = trials.checked_trials(make_trials(pairs=1, trials=1).assign(theta=0.0))
+    assert (trials.first_to_enter(table, Box(center=(9.0, 9.0), size=(1.0, 1.0))) == 0).all()
+    thin = Box(center=(1.5, 0.0), size=(8.0, 0.2), angle=np.pi / 2)  # a gate across the way
+    assert (trials.first_to_enter(table, thin) == 2).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda table: table.drop(columns=["t1z", "r2y"]), "t1z, r2y"),
+        (lambda table: table.iloc[:0], "none"),
+        (lambda table: table.assign(f1x=["oops", *table["f1x"][1:]]), "f1x.*'oops' in row 0"),
+        (lambda table: table.assign(pair=[None, *table["pair"][1:]]), "pair must be known"),
+        (lambda table: pd.concat([table, table]), "twice"),
+        (lambda table: table.assign(first=3), "0, 1 or 2"),
+        (lambda table: table.assign(first=[1, *[2] * (len(table) - 1)]), "all through"),
+    ],
+)
+def test_a_bad_table_is_refused(change, message):
+    with pytest.raises(InvalidInput, match=message):
+        trials.checked_trials(change(make_trials(pairs=1, trials=1)))
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path):
+    with pytest.raises(InvalidInput, match=r"gone\.csv"):
+        trials.read_trials([tmp_path / "gone.csv"])
+    bad = tmp_path / "bad.csv"
+    bad.write_text("a,b\n1,2\n")
+    with pytest.raises(InvalidInput, match=r"bad\.csv.*columns"):
+        trials.read_trials([bad])
+    with pytest.raises(InvalidInput, match="got none"):
+        trials.read_trials([])
