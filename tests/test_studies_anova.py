@@ -123,12 +123,13 @@ def test_a_subject_without_a_cell_is_named_and_can_be_left_out():
     assert complete_subjects(table, subject="pair", factors=["drug"]) == [0, 1, 2, 3]
 
 
-def test_an_effect_without_error_is_refused():
-    values = np.arange(4.0) + np.arange(5.0)[:, None]  # the same differences for everybody
-    with pytest.raises(InvalidInput, match="no error"):
-        repeated_measures(
-            long(np.round(values), ["a"]), subject="pair", factors=["a"], value="value"
-        )
+def test_an_effect_that_is_the_same_in_everybody_is_not_tested():
+    values = np.arange(4.0)[:, None] + np.random.default_rng(0).normal(size=(5, 1, 3))
+    alike, other, both = repeated_measures(
+        long(values, ["a", "b"]), subject="pair", factors=["a", "b"], value="value"
+    )
+    assert np.isnan([alike.f, alike.p, alike.epsilon, both.f, both.p_corrected]).all()
+    assert 0 < other.p < 1
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def values(quadrants: Quadrants) -> list[float]:
 
 
 def test_uniform_shares_have_density_one_everywhere_also_at_the_edges():
-    found = LoadDensity.of(*uniform(60))
+    found = LoadDensity.of(*uniform(32))
     assert found.share[[0, 1, -1]].tolist() == [0.0, 0.01, 1.0]
     assert found.density.shape == (101, 101)
     np.testing.assert_allclose(found.density, 1.0, atol=0.02)
@@ -43,7 +43,7 @@ def test_uniform_shares_have_density_one_everywhere_also_at_the_edges():
 
 def test_normal_shares_have_the_closed_form_of_a_kernel_density():
     mean, deviation, factor = (0.45, 0.6), (0.06, 0.09), 0.3
-    found = LoadDensity.of(*normal(120, mean, deviation), bandwidth=factor)
+    found = LoadDensity.of(*normal(50, mean, deviation), bandwidth=factor)
     wide = np.sqrt(1 + factor**2) * np.array(deviation)  # a normal with a normal kernel
     bells = [
         np.exp(-(((found.share - m) / s) ** 2) / 2) / (s * np.sqrt(2 * np.pi))

@@ -93,8 +93,20 @@ def test_the_analysis_finds_the_effects_that_were_put_in():
     assert (guide.df_effect, guide.df_error) == (2, 10)
     assert (both.df_effect, both.df_error) == (8, 40)
     assert guide.p < 1e-3
-    # T_I = guide + pair × (1 or 2): pseudoinverses add the same to everybody, so that there is
-    # no interaction and nothing to test the method against.
+    assert guide.f == pytest.approx(_f_of_guide(table))
+    assert np.isnan(method.f)  # pseudoinverses add TORQUE / 2 to everybody: no error
+
+
+def _f_of_guide(table: pd.DataFrame) -> float:
+    """From the disagreement that was put in, by sums of squares."""
+    early = table[
+        table.groupby(["pair", "condition", "trial"])["time"].transform("min") + 0.59
+        > table["time"]
+    ]
+    cells = -early.groupby(["pair", "condition"])["t2z"].mean().unstack().to_numpy()
+    rest = cells - cells.mean(axis=0) - cells.mean(axis=1, keepdims=True) + cells.mean()
+    explained = len(cells) * ((cells.mean(axis=0) - cells.mean()) ** 2).sum()
+    return (explained / 2) / ((rest**2).sum() / (2 * (len(cells) - 1)))
 
 
 def varied(pair, guide, trial, time):
@@ -103,7 +115,9 @@ def varied(pair, guide, trial, time):
     return undone(pair, guide, trial, time) * generator.uniform(-1.5, 1.0)
 
 
-def full_analysis():
+@pytest.fixture(scope="module")
+def full():
+    """Trials with every effect, analysed."""
     generator = np.random.default_rng(4)
 
     def shares(pair, guide, trial, time):
@@ -143,8 +157,8 @@ def test_what_cannot_be_analysed_is_said():
         analyse(table.drop(columns="first"))
 
 
-def test_the_comparison_states_differences_to_the_human_numbers():
-    rows = {row["quantity"]: row for row in dyads_report.comparison(full_analysis())}
+def test_the_comparison_states_differences_to_the_human_numbers(full):
+    rows = {row["quantity"]: row for row in dyads_report.comparison(full)}
     one = rows["T_I, ours, guide to one [N·m]"]
     assert one["people"] == "0.1548 ± 0.0693"
     here = float(one["here"].split()[0])
@@ -155,8 +169,8 @@ def test_the_comparison_states_differences_to_the_human_numbers():
     assert f["here"].startswith("F(8, 40) = ")
 
 
-def test_everything_is_written(tmp_path):
-    claims, files = dyads_report.write(full_analysis(), tmp_path)
+def test_everything_is_written(tmp_path, full):
+    claims, files = dyads_report.write(full, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == set(files)
     assert len(claims) == 7
     for name in ("internal_torque.png", "load_density.png"):

@@ -70,14 +70,14 @@ def repeated_measures(
 
     Returns
     -------
-    One `Effect` a factor in the order given, then the interaction of two.
+    One `Effect` a factor in the order given, then the interaction of two. Where it is the same in
+    every subject there is no error to test it against: its F, p and epsilon are NaN.
 
     Raises
     ------
     InvalidInput
         If a column is missing, a value is not finite, a factor has one level, there are fewer than
-        two subjects, a subject lacks a cell (named), or an effect has no error to be measured
-        against.
+        two subjects, or a subject lacks a cell (named).
 
     Source: Greenhouse & Geisser 1959, Psychometrika 24, for epsilon.
     """
@@ -89,12 +89,9 @@ def repeated_measures(
         for which in combinations(range(len(levels)), order):
             names = tuple(factors[i] for i in which)
             epsilon = _epsilon(values, which)
-            if np.isnan(epsilon):
-                raise InvalidInput(
-                    f"{value} must vary between subjects for the effect of {' × '.join(names)}, "
-                    "got the same differences for every subject; there is no error to test against"
-                )
             f, df_effect, df_error, p = found[which]
+            if np.isnan(epsilon):
+                f = p = np.nan
             corrected = f_distribution.sf(f, epsilon * df_effect, epsilon * df_error)
             effects.append(
                 Effect(

@@ -32,6 +32,7 @@ PAPER = MOTIONS[:3]
 WAYS = ((0.0, 0.0, 2.0), (1.8, 1.2, 2.0), (2.0, 0.0, 0.0), (1.8, 1.2, 0.0))  # [m, m, rad]
 STARTS = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -0.4))  # [m, m, rad]
 SECTIONS = 4
+ROUNDING = 1e-9  # departure from m* = 1 or α^d = ½ that is none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +88,16 @@ class BeamRun:
     twist: FloatArray  # (inertia, motion, time, 3), object frame, middle of the step [m/s, rad/s]
     grips: FloatArray  # (2, 2) object frame [m]
     inertias: tuple[float, ...]  # [kg·m²]
+
+    @property
+    def heavy(self) -> BoolArray:
+        """``(time,)``: where m* is not 1."""
+        return np.abs(self.virtual_mass - 1) > ROUNDING
+
+    @property
+    def shifted(self) -> BoolArray:
+        """``(time,)``: where α^d is not ½."""
+        return np.abs(self.wanted_share - 0.5) > ROUNDING
 
     @property
     def tracking_error(self) -> FloatArray:
@@ -224,7 +235,7 @@ def _schedules(fraction: FloatArray, config: BeamConfig) -> tuple[FloatArray, Fl
 
 def sections(run: BeamRun) -> BoolArray:
     """``(4, time)``: which samples are in which section of the schedules."""
-    heavy, shifted = run.virtual_mass != 1.0, run.wanted_share != 0.5
+    heavy, shifted = run.heavy, run.shifted
     return np.array([~heavy & ~shifted, heavy & ~shifted, ~heavy & shifted, heavy & shifted])
 
 

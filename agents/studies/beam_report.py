@@ -140,9 +140,8 @@ class _Where:
 
     def __init__(self, run: BeamRun):
         shape = run.applied.shape[:3]
-        heavy, shifted = run.virtual_mass != 1.0, run.wanted_share != 0.5
-        self.unit_mass = np.broadcast_to(~heavy, shape)
-        self.even = np.broadcast_to(~shifted, shape)
+        self.unit_mass = np.broadcast_to(~run.heavy, shape)
+        self.even = np.broadcast_to(~run.shifted, shape)
         self.no_torque = np.abs(run.object_wrench[..., 2]) <= ZERO
         self.nothing_along = np.abs(run.object_wrench[..., 0]) <= ZERO
         motion = np.array(MOTIONS)[None, :, None]

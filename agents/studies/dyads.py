@@ -38,6 +38,7 @@ TURN = np.pi / 4  # [rad] up to which rotations count
 class DyadAnalysis:
     """What the trials show; tables have one row a pair and condition (and method)."""
 
+    source: str  # of the trials, as the figures call it
     internal_torque: pd.DataFrame  # pair, condition, method, num_trials, internal_torque [N·m]
     torque_effects: tuple[Effect, ...]  # of method, condition and both; empty: see notes
     quadrants: pd.DataFrame  # pair, condition and the four shares of time
@@ -55,6 +56,7 @@ def analyse(
     window: float = WINDOW,
     turn: float = TURN,
     methods: Sequence[str] = METHODS,
+    source: str = "recorded trials",
 ) -> DyadAnalysis:
     """Internal torque by method and guide, load shares by guide, each with its ANOVA.
 
@@ -68,6 +70,8 @@ def analyse(
         Load shares count until the beam has turned by this [rad].
     methods
         Names of decompositions.
+    source
+        What the figures call these trials: recorded, or plainly simulated.
 
     Returns
     -------
@@ -86,6 +90,7 @@ def analyse(
     known = [name for name in GUIDES if name in present]
     conditions = (*known, *(name for name in present if name not in GUIDES))
     return DyadAnalysis(
+        source=source,
         internal_torque=torque,
         torque_effects=_effects(
             torque, ("method", "condition"), "internal_torque", notes, len(conditions)

@@ -25,6 +25,7 @@ OURS = "prioritized_torque"
 LEVEL = 0.05  # of significance
 GUIDE_COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#999999")
 LABELS = {"condition": "guide", "method": "method"}
+GUIDE_LABELS = {"one": "guide to one", "both": "guide to both", "none": "no guide"}
 
 
 def write(analysis: DyadAnalysis, out: Path) -> tuple[list[Claim], list[str]]:
@@ -88,7 +89,7 @@ def claims(analysis: DyadAnalysis) -> list[Claim]:
     means = 100 * analysis.quadrants.groupby("condition")["dominant"].mean()
     rows += [
         Claim(
-            text=f"agent 1 dominates longer with a guide to one than to {other}: difference",
+            text=f"agent 1 dominates longer: guide to one less {GUIDE_LABELS[other]}",
             source="Fig. 16",
             measured=means.get("one", np.nan) - means.get(other, np.nan),
             relation=">",
@@ -106,11 +107,11 @@ def comparison(analysis: DyadAnalysis) -> list[dict[str, str]]:
     torque = analysis.internal_torque.query("method == @OURS")
     for guide, human in HUMAN_TORQUE.items():
         values = torque.loc[torque["condition"] == guide, "internal_torque"].to_numpy()
-        rows.append(_beside(f"T_I, ours, guide to {guide} [N·m]", human, values))
+        rows.append(_beside(f"T_I, ours, {GUIDE_LABELS[guide]} [N·m]", human, values))
     for guide, human in HUMAN_DOMINANT.items():
         chosen = analysis.quadrants["condition"] == guide
         values = 100 * analysis.quadrants.loc[chosen, "dominant"].to_numpy()
-        rows.append(_beside(f"time in dominant, guide to {guide} [%]", human, values))
+        rows.append(_beside(f"time in dominant, {GUIDE_LABELS[guide]} [%]", human, values))
     effects = {("T_I", e.factors): e for e in analysis.torque_effects}
     effects |= {("dominance", e.factors): e for e in analysis.dominance_effects}
     for key, ((df_effect, df_error), human_f) in HUMAN_F.items():
@@ -138,7 +139,11 @@ def comparison(analysis: DyadAnalysis) -> list[dict[str, str]]:
 def effect_rows(analysis: DyadAnalysis) -> list[dict[str, str]]:
     """Both analyses of variance as rows of a table."""
     parts = (("T_I", analysis.torque_effects), ("dominance", analysis.dominance_effects))
-    return [{"on": on, **effect.row()} for on, effects in parts for effect in effects]
+    return [
+        {"on": on, **effect.row(), "effect": " × ".join(LABELS[name] for name in effect.factors)}
+        for on, effects in parts
+        for effect in effects
+    ]
 
 
 def draw_internal_torque(analysis: DyadAnalysis, path: Path) -> None:
@@ -146,7 +151,7 @@ def draw_internal_torque(analysis: DyadAnalysis, path: Path) -> None:
     table = analysis.internal_torque
     methods = list(dict.fromkeys(table["method"]))
     figure, grid = new_figure(1, 1, size=(9.5, 4.6))
-    axes = grid[0, 0]
+    axes, people = grid[0, 0], []
     width = 0.8 / len(analysis.conditions)
     for i, condition in enumerate(analysis.conditions):
         chosen = table[table["condition"] == condition].groupby("method")["internal_torque"]
@@ -160,23 +165,21 @@ def draw_internal_torque(analysis: DyadAnalysis, path: Path) -> None:
             capsize=3,
             color=GUIDE_COLORS[i % len(GUIDE_COLORS)],
             ecolor="#333333",
-            label=f"guide: {condition}",
+            label=GUIDE_LABELS.get(condition, condition),
         )
         if condition in HUMAN_TORQUE and OURS in methods:
-            axes.errorbar(
-                place[methods.index(OURS)] + 0.3 * width,
-                HUMAN_TORQUE[condition][0],
-                yerr=HUMAN_TORQUE[condition][1],
-                fmt="D",
-                color="black",
-                markersize=5,
-                capsize=2,
-                label="people (paper)" if condition == "one" else None,
-            )
-    axes.set_xticks(range(len(methods)), [LOOKS[name].label for name in methods])
+            people.append((place[methods.index(OURS)] + 0.3 * width, *HUMAN_TORQUE[condition]))
+    if people:
+        place, mean, deviation = np.transpose(people)
+        look = {"fmt": "D", "color": "black", "markersize": 5, "capsize": 2}
+        axes.errorbar(place, mean, yerr=deviation, label="people (paper)", **look)
+    names = [LOOKS[name].label.replace(" ", "\n", 1) for name in methods]
+    axes.set_xticks(range(len(methods)), names)
     axes.set_ylabel("T_I, mean over pairs [N·m]")
     axes.set_ylim(bottom=0)
-    axes.set_title("internal torque at the start of a trial; bars: ± standard deviation over pairs")
+    figure.suptitle(
+        f"{analysis.source}: internal torque at the start, ± standard deviation of pairs"
+    )
     axes.grid(axis="y", alpha=0.3)
     axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     save_figure(figure, path)
@@ -202,11 +205,12 @@ def draw_densities(analysis: DyadAnalysis, path: Path) -> None:
         axes.set_xlabel("α_f,1 (force)")
         row = shares.loc[name]
         axes.set_title(
-            f"guide: {name}\n"
+            f"{GUIDE_LABELS.get(name, name)}\n"
             f"torque only {row['torque_specialist']:.1f} %   dominant {row['dominant']:.1f} %\n"
             f"passive {row['passive']:.1f} %   force only {row['force_specialist']:.1f} %",
             fontsize="medium",
         )
+    figure.suptitle(f"{analysis.source}: load shares of agent 1 while the object turns")
     grid[0, 0].set_ylabel("α_t,1 (torque)")
     figure.colorbar(picture, ax=list(grid[0]), label="density", shrink=0.7)
     save_figure(figure, path)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DPI = 110
+MARGINS = (0.85, 2.0, 0.55, 0.75)  # [in] left, right (legends), bottom, top
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#444444"  # after Okabe & Ito
 
 
@@ -170,8 +171,16 @@ def draw_trials(
     MissingExtra
         If matplotlib is not installed.
     """
-    figure, grid = new_figure(
-        len(panels), len(trials), size=(2.9 * len(trials) + 2.6, 1.55 * len(panels) + 1.2)
+    left, right, bottom, top = MARGINS
+    width, height = left + 2.9 * len(trials) + right, bottom + 1.55 * len(panels) + top
+    figure, grid = new_figure(len(panels), len(trials), size=(width, height), layout=None)
+    figure.subplots_adjust(  # by hand: a layout engine takes as long as everything else together
+        left=left / width,
+        right=1 - right / width,
+        bottom=bottom / height,
+        top=1 - top / height,
+        wspace=0.06,
+        hspace=0.14,
     )
     if title:
         figure.suptitle(title)
@@ -187,16 +196,19 @@ def draw_trials(
         axes.set_title(trial.title)
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
+    figure.align_ylabels(grid[:, 0])
     save_figure(figure, path)
 
 
-def new_figure(rows: int, columns: int, *, size: tuple[float, float]) -> "tuple[Figure, Any]":
+def new_figure(
+    rows: int, columns: int, *, size: tuple[float, float], layout: str | None = "constrained"
+) -> "tuple[Figure, Any]":
     """A figure and its axes ``(rows, columns)``; size in inches."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtra("the figures of a study", "analysis") from error
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=size, layout=layout)
     return figure, figure.subplots(rows, columns, squeeze=False, sharex="col")
 
 
