@@ -1,6 +1,7 @@
 """Trials of pairs whose internal torque and load shares are known."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -29,7 +30,7 @@ def make_trials(
     disagreement: Callable = no_disagreement,
     spin: float = 1.0,
     first: Callable[[int, str, int], int] = lambda pair, guide, trial: 1,
-) -> pd.DataFrame:
+) -> Any:
     """Forces along the beam and pure torques; the beam turns at ``spin`` [rad/s].
 
     With a torque share of 1, T_I is the disagreement d for ours and the point mass, and

@@ -1,5 +1,7 @@
 """Repeated-measures ANOVA against published analyses and sums of squares by hand."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -32,7 +34,7 @@ MAXWELL_DELANEY = [
 ]
 
 
-def long(values, factors, subject="pair") -> pd.DataFrame:
+def long(values, factors, subject="pair") -> Any:
     """A long table of an array (subject, *levels)."""
     index = np.indices(np.shape(values)).reshape(np.ndim(values), -1)
     table = pd.DataFrame(dict(zip([subject, *factors], index, strict=True)))

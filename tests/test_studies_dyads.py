@@ -1,5 +1,7 @@
 """The analysis of the human study on trials whose answer is known."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -97,7 +99,7 @@ def test_the_analysis_finds_the_effects_that_were_put_in():
     assert np.isnan(method.f)  # pseudoinverses add TORQUE / 2 to everybody: no error
 
 
-def _f_of_guide(table: pd.DataFrame) -> float:
+def _f_of_guide(table: Any) -> float:
     """From the disagreement that was put in, by sums of squares."""
     early = table[
         table.groupby(["pair", "condition", "trial"])["time"].transform("min") + 0.59

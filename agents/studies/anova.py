@@ -15,6 +15,8 @@ from statsmodels.stats.anova import AnovaRM
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 
+from .tables import Table
+
 ROUNDING = 1e-12  # relative spread between subjects that counts as none
 
 
@@ -49,7 +51,7 @@ class Effect:
 
 
 def repeated_measures(
-    table: pd.DataFrame, *, subject: str, factors: Sequence[str], value: str
+    table: Table, *, subject: str, factors: Sequence[str], value: str
 ) -> tuple[Effect, ...]:
     """Repeated-measures ANOVA of a long table, one row a measurement.
 
@@ -108,7 +110,7 @@ def repeated_measures(
     return tuple(effects)
 
 
-def complete_subjects(table: pd.DataFrame, *, subject: str, factors: Sequence[str]) -> list[Any]:
+def complete_subjects(table: Table, *, subject: str, factors: Sequence[str]) -> list[Any]:
     """Subjects with a row in every cell that occurs in the table; the others cannot be analysed."""
     if table.empty:
         return []
@@ -119,8 +121,8 @@ def complete_subjects(table: pd.DataFrame, *, subject: str, factors: Sequence[st
 
 
 def _cells(
-    table: pd.DataFrame, subject: str, factors: tuple[str, ...], value: str
-) -> tuple[pd.DataFrame, list[int]]:
+    table: Table, subject: str, factors: tuple[str, ...], value: str
+) -> tuple[Table, list[int]]:
     """One row a subject, one column a cell; and the number of levels of each factor."""
     if len(factors) not in (1, 2) or len({subject, value, *factors}) != len(factors) + 2:
         raise InvalidInput(
@@ -146,7 +148,7 @@ def _cells(
             "be compared"
         )
     cells = table.groupby([subject, *factors], observed=True)[value].mean().unstack(list(factors))
-    every = pd.MultiIndex.from_product([sorted(table[name].unique()) for name in factors])
+    every: Any = pd.MultiIndex.from_product([sorted(table[name].unique()) for name in factors])
     cells = cells.reindex(columns=every if len(factors) == 2 else every.get_level_values(0))
     missing = cells.isna().any(axis=1)
     if missing.any():

@@ -191,7 +191,7 @@ class _Plan:
 
     def __init__(self, config: BeamConfig):
         steps, dt = config.steps, config.dt
-        self.middle = dt * (np.arange(steps) + 0.5)
+        self.middle = dt * (np.arange(steps, dtype=np.float64) + 0.5)
         self.virtual_mass, self.wanted_share = _schedules(self.middle / config.duration, config)
         count = len(config.inertias)
         way = np.tile(np.array(WAYS), (count, 1))
@@ -203,7 +203,7 @@ class _Plan:
         self._velocity = ds[:, None, None] / config.duration * way
         self._acceleration = dds[:, None, None] / config.duration**2 * way
         self._angle = self.start[:, 2] + s[:, None] * way[:, 2]
-        s, ds, _ = minimum_jerk(dt * np.arange(steps + 1) / config.duration)
+        s, ds, _ = minimum_jerk(dt * np.arange(steps + 1, dtype=np.float64) / config.duration)
         poses = self.start[:, None] + s[:, None] * way[:, None]
         self.poses_before, self.poses_after = poses[:, :-1], poses[:, 1:]
         self._velocity_before = ds[:-1, None, None] / config.duration * way

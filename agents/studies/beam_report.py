@@ -131,7 +131,7 @@ def save_arrays(run: BeamRun, by_method: dict[str, Decomposition], path: Path) -
             grips=run.grips,
             inertias=np.array(run.inertias),
             motions=np.array(MOTIONS),
-            **internal,
+            **internal,  # pyright: ignore[reportArgumentType]
         )
 
 

@@ -17,6 +17,7 @@ from coopenv.wrench import load_share
 from .anova import Effect, complete_subjects, repeated_measures
 from .density import LoadDensity, Quadrants
 from .methods import decompose_by_methods
+from .tables import Table
 from .trials import applied_wrenches, checked_trials, durations, elapsed, grip_positions, turned
 
 METHODS = (
@@ -39,9 +40,9 @@ class DyadAnalysis:
     """What the trials show; tables have one row a pair and condition (and method)."""
 
     source: str  # of the trials, as the figures call it
-    internal_torque: pd.DataFrame  # pair, condition, method, num_trials, internal_torque [N·m]
+    internal_torque: Table  # pair, condition, method, num_trials, internal_torque [N·m]
     torque_effects: tuple[Effect, ...]  # of method, condition and both; empty: see notes
-    quadrants: pd.DataFrame  # pair, condition and the four shares of time
+    quadrants: Table  # pair, condition and the four shares of time
     dominance_effects: tuple[Effect, ...]  # of condition; empty: see notes
     densities: dict[str, LoadDensity]  # by condition
     conditions: tuple[str, ...]  # in the order of tables and figures
@@ -51,7 +52,7 @@ class DyadAnalysis:
 
 
 def analyse(
-    trials: pd.DataFrame,
+    trials: Table,
     *,
     window: float = WINDOW,
     turn: float = TURN,
@@ -106,8 +107,8 @@ def analyse(
 
 
 def internal_torques(
-    trials: pd.DataFrame, *, window: float = WINDOW, methods: Sequence[str] = METHODS
-) -> pd.DataFrame:
+    trials: Table, *, window: float = WINDOW, methods: Sequence[str] = METHODS
+) -> Table:
     """Mean T_I over the start of the trials in which agent 1 enters the final platform first.
 
     The mean is over time, then over the trials of a pair and condition.
@@ -135,7 +136,7 @@ def internal_torques(
     start = trials[chosen]
     keys = start[["pair", "condition", "trial"]].assign(weight=durations(trials)[chosen])
     split = decompose_by_methods(applied_wrenches(start), grip_positions(start), methods)
-    parts = []
+    parts: list[Table] = []
     for name, decomposition in split.items():
         table = keys.assign(product=decomposition.internal_torque_level * keys["weight"])
         sums = table.groupby(["pair", "condition", "trial"], observed=True)[["product", "weight"]]
@@ -147,7 +148,7 @@ def internal_torques(
     return pd.concat(parts, ignore_index=True)[columns]
 
 
-def quadrant_shares(trials: pd.DataFrame, *, turn: float = TURN) -> pd.DataFrame:
+def quadrant_shares(trials: Table, *, turn: float = TURN) -> Table:
     """Shares of time in the quadrants of (α_f,1, α_t,1), by pair and condition.
 
     Returns
@@ -165,7 +166,7 @@ def quadrant_shares(trials: pd.DataFrame, *, turn: float = TURN) -> pd.DataFrame
 
 
 def load_densities(
-    trials: pd.DataFrame, *, turn: float = TURN, notes: Callable[[str], None] | None = None
+    trials: Table, *, turn: float = TURN, notes: Callable[[str], None] | None = None
 ) -> dict[str, LoadDensity]:
     """Density of (α_f,1, α_t,1) by condition, over the trials of all pairs.
 
@@ -183,7 +184,7 @@ def load_densities(
     return densities
 
 
-def _load_shares(trials: pd.DataFrame, turn: float) -> pd.DataFrame:
+def _load_shares(trials: Table, turn: float) -> Table:
     """pair, condition, force, torque, weight of the samples in which both shares are defined."""
     chosen = turned(trials) <= turn
     part = trials[chosen]
@@ -195,7 +196,7 @@ def _load_shares(trials: pd.DataFrame, turn: float) -> pd.DataFrame:
 
 
 def _effects(
-    table: pd.DataFrame, factors: tuple[str, ...], value: str, notes: list[str], conditions: int
+    table: Table, factors: tuple[str, ...], value: str, notes: list[str], conditions: int
 ) -> tuple[Effect, ...]:
     """The ANOVA over complete pairs, or none and a note."""
     what = f"ANOVA of {value} by {' and '.join(factors)}"

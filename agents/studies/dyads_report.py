@@ -1,6 +1,7 @@
 """Claims, comparison with the published human study, figures and files of the dyads study."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -191,6 +192,7 @@ def draw_densities(analysis: DyadAnalysis, path: Path) -> None:
     figure, grid = new_figure(1, len(conditions), size=(4.3 * len(conditions) + 1.0, 5.2))
     highest = max(analysis.densities[name].density.max() for name in conditions)
     shares = 100 * analysis.quadrants.groupby("condition")[list(QUADRANTS)].mean()
+    picture: Any = None
     for axes, name in zip(grid[0], conditions, strict=True):
         picture = axes.imshow(
             analysis.densities[name].density.T,

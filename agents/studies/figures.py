@@ -7,7 +7,7 @@ Legends are beside the panels, where they hide nothing.
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -201,7 +201,11 @@ def draw_trials(
 
 
 def new_figure(
-    rows: int, columns: int, *, size: tuple[float, float], layout: str | None = "constrained"
+    rows: int,
+    columns: int,
+    *,
+    size: tuple[float, float],
+    layout: Literal["constrained"] | None = "constrained",
 ) -> "tuple[Figure, Any]":
     """A figure and its axes ``(rows, columns)``; size in inches."""
     try:

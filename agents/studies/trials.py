@@ -21,9 +21,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from coopenv.arrays import FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
 from coopenv.scene import Box
+
+from .tables import Table
 
 KEYS = ("pair", "condition", "trial")
 POSE = ("x", "y", "theta")
@@ -32,7 +34,7 @@ GRIPS = ("r1x", "r1y", "r2x", "r2y")
 COLUMNS = (*KEYS, "time", *POSE, *WRENCHES, *GRIPS)
 
 
-def read_trials(paths: Sequence[str | os.PathLike]) -> pd.DataFrame:
+def read_trials(paths: Sequence[str | os.PathLike]) -> Table:
     """Read CSV or Parquet files of the columns above into one checked table.
 
     Raises
@@ -43,7 +45,7 @@ def read_trials(paths: Sequence[str | os.PathLike]) -> pd.DataFrame:
     """
     if not paths:
         raise InvalidInput("files must be given, got none; name CSV or Parquet files of trials")
-    tables = []
+    tables: list[Table] = []
     for path in map(Path, paths):
         readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet}
         if path.suffix not in readers or not path.is_file():
@@ -58,7 +60,7 @@ def read_trials(paths: Sequence[str | os.PathLike]) -> pd.DataFrame:
     return checked_trials(pd.concat(tables, ignore_index=True))
 
 
-def checked_trials(trials: pd.DataFrame) -> pd.DataFrame:
+def checked_trials(trials: Table) -> Table:
     """The trials, one after the other in order of time, with a fresh index.
 
     Raises
@@ -80,7 +82,7 @@ def checked_trials(trials: pd.DataFrame) -> pd.DataFrame:
             row = trials.index[int(trials[name].isna().to_numpy().argmax())]
             raise InvalidInput(f"{name} must be known in every row, got none in row {row}; fill it")
     for name in COLUMNS[len(KEYS) :]:
-        values = pd.to_numeric(trials[name], errors="coerce").to_numpy(dtype=np.float64)
+        values = np.asarray(pd.to_numeric(trials[name], errors="coerce"), dtype=np.float64)
         if not np.isfinite(values).all():
             row = int((~np.isfinite(values)).argmax())
             raise InvalidInput(
@@ -101,7 +103,7 @@ def checked_trials(trials: pd.DataFrame) -> pd.DataFrame:
     return ordered
 
 
-def first_to_enter(trials: pd.DataFrame, platform: Box) -> IntArray:
+def first_to_enter(trials: Table, platform: Box) -> IntArray:
     """Which agent's grip enters ``platform`` first, ``(rows,)``, the same all through a trial.
 
     1 or 2; 0 where neither enters, or both do at the same sample.
@@ -122,18 +124,18 @@ def first_to_enter(trials: pd.DataFrame, platform: Box) -> IntArray:
     return first
 
 
-def applied_wrenches(trials: pd.DataFrame) -> FloatArray:
+def applied_wrenches(trials: Table) -> FloatArray:
     """``(rows, 2, 3)`` object frame [N, N·m]."""
     return trials[list(WRENCHES)].to_numpy(dtype=np.float64).reshape(-1, 2, 3)
 
 
-def grip_positions(trials: pd.DataFrame) -> FloatArray:
+def grip_positions(trials: Table) -> FloatArray:
     """``(rows, 2, 2)``, or ``(2, 2)`` where they never change; object frame [m]."""
     grips = trials[list(GRIPS)].to_numpy(dtype=np.float64).reshape(-1, 2, 2)
     return grips[0] if (grips == grips[0]).all() else grips
 
 
-def trial_numbers(trials: pd.DataFrame) -> IntArray:
+def trial_numbers(trials: Table) -> IntArray:
     """``(rows,)``: 0, 1, ... for the trials as they occur."""
     return trials.groupby(list(KEYS), sort=False, observed=True).ngroup().to_numpy(np.int64)
 
@@ -144,13 +146,13 @@ def rows_by_trial(number: IntArray) -> list[slice]:
     return [slice(start, stop) for start, stop in pairwise(edges)]
 
 
-def elapsed(trials: pd.DataFrame) -> FloatArray:
+def elapsed(trials: Table) -> FloatArray:
     """Time since the first sample of the trial ``(rows,)`` [s]."""
     time = trials["time"].to_numpy(dtype=np.float64)
     return np.concatenate([time[rows] - time[rows][0] for rows in _rows(trials)])
 
 
-def durations(trials: pd.DataFrame) -> FloatArray:
+def durations(trials: Table) -> FloatArray:
     """Time that each sample stands for, up to the next one ``(rows,)`` [s]; the last as before."""
     time = trials["time"].to_numpy(dtype=np.float64)
     parts = []
@@ -160,7 +162,7 @@ def durations(trials: pd.DataFrame) -> FloatArray:
     return np.concatenate(parts)
 
 
-def turned(trials: pd.DataFrame) -> FloatArray:
+def turned(trials: Table) -> FloatArray:
     """Largest angle turned so far in the trial, either way ``(rows,)`` [rad]."""
     angle = trials["theta"].to_numpy(dtype=np.float64)
     parts = []
@@ -170,11 +172,11 @@ def turned(trials: pd.DataFrame) -> FloatArray:
     return np.concatenate(parts)
 
 
-def _rows(trials: pd.DataFrame) -> list[slice]:
+def _rows(trials: Table) -> list[slice]:
     return rows_by_trial(trial_numbers(trials))
 
 
-def _check_first(trials: pd.DataFrame) -> None:
+def _check_first(trials: Table) -> None:
     known = trials["first"].isin([0, 1, 2])
     varying = trials.groupby(list(KEYS), observed=True)["first"].nunique() > 1
     if not known.all() or varying.any():
@@ -185,15 +187,15 @@ def _check_first(trials: pd.DataFrame) -> None:
         )
 
 
-def _grip_world(trials: pd.DataFrame, agent: int) -> FloatArray:
+def _grip_world(trials: Table, agent: int) -> FloatArray:
     x, y, angle = trials[list(POSE)].to_numpy(dtype=np.float64).T
     across, up = trials[[f"r{agent}x", f"r{agent}y"]].to_numpy(dtype=np.float64).T
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([x + c * across - s * up, y + s * across + c * up], axis=-1)
 
 
-def _inside(points: FloatArray, box: Box) -> np.ndarray:
+def _inside(points: FloatArray, box: Box) -> BoolArray:
     away = points - np.array(box.center)
     c, s = np.cos(box.angle), np.sin(box.angle)
     own = np.stack([c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]], axis=-1)
-    return (np.abs(own) <= np.array(box.size) / 2).all(axis=-1)
+    return np.asarray((np.abs(own) <= np.array(box.size) / 2).all(axis=-1))
