@@ -6,10 +6,9 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal, Self
 
-import gymnasium
-
 from coopenv.arrays import positive, whole
 from coopenv.config import TransportConfig
+from coopenv.envs import module
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import written
 
@@ -54,10 +53,7 @@ def find_config(env: str | TransportConfig, keywords: dict[str, Any]) -> Transpo
                 f"{sorted(keywords)}; change it with dataclasses.replace"
             )
         return env
-    ours = [name for name in gymnasium.registry if name.startswith("coopenv/")]
-    if env not in ours:
-        raise UnknownName("env", env, ours)
-    return TransportConfig.parse({**gymnasium.spec(env).kwargs, **keywords})
+    return module.find_config(env, keywords)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,7 +12,7 @@ from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.observation import BLOCKS, Block
 from coopenv.scene import Box, Scene
-from coopenv.tasks import Task, TransportTask
+from coopenv.tasks import Episode, Task, TransportTask
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
 
@@ -23,6 +23,7 @@ __all__ = [
     "Block",
     "Body",
     "Box",
+    "Episode",
     "Scene",
     "State",
     "Task",
@@ -36,10 +37,13 @@ __all__ = [
     "wrench",
 ]
 
-gymnasium.register(
-    id="coopenv/BeamTransport-v0",
-    entry_point="coopenv.envs:TransportEnv",
-    vector_entry_point="coopenv.envs:TransportVectorEnv",
-)
+from coopenv import beam_transport_v0
 
-from coopenv import beam_transport_v0  # noqa: E402  - a view of all the above
+_MODULES = {"BeamTransport-v0": beam_transport_v0}
+
+for _name, _module in _MODULES.items():
+    gymnasium.register(
+        id=f"coopenv/{_name}",
+        entry_point=f"{_module.__name__}:single_env",
+        vector_entry_point=f"{_module.__name__}:vector_env",
+    )

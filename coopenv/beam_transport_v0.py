@@ -2,20 +2,10 @@
 
 from typing import Any
 
-from pettingzoo import AECEnv
+from coopenv.envs.module import views
 
-from coopenv.envs.parallel import TransportParallelEnv, aec
+__all__ = ["env", "parallel_env", "single_env", "vector_env"]
 
-__all__ = ["env", "parallel_env"]
+DEFAULTS: dict[str, Any] = {}
 
-NAME = "beam_transport_v0"
-
-
-def parallel_env(**keywords: Any) -> TransportParallelEnv:
-    """The ``ParallelEnv``; takes ``render_mode`` and the fields of `coopenv.TransportConfig`."""
-    return TransportParallelEnv(name=NAME, **keywords)
-
-
-def env(**keywords: Any) -> AECEnv:
-    """The AEC view of `parallel_env`, with the same keywords."""
-    return aec(parallel_env(**keywords))
+parallel_env, env, single_env, vector_env = views("beam_transport_v0", DEFAULTS)

@@ -46,6 +46,9 @@ class TransportConfig:
         Physics steps in a control step (`docs/accuracy.md` has the table behind the default).
     decomposition
         Settings of the decomposition that observations, info and rewards use.
+    informed
+        Agents that are told the goal, by number; ``None``: all of them, as far as the task tells
+        it. To the others the goal reads 0, and so does the ``known`` block.
 
     Raises
     ------
@@ -65,6 +68,7 @@ class TransportConfig:
     dt: float = 0.05  # [s]
     substeps: int = 2
     decomposition: Settings = field(default_factory=Settings)
+    informed: Sequence[int] | None = None
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -83,13 +87,15 @@ class TransportConfig:
         self._check_agreement()
 
     @classmethod
-    def parse(cls, keywords: Mapping[str, Any]) -> Self:
+    def parse(cls, keywords: Mapping[str, Any], defaults: Mapping[str, Any] | None = None) -> Self:
         """The configuration that ``keywords`` describe; an unknown name raises `UnknownName`.
+
+        ``defaults`` stand for what the keywords leave out.
 
         ``max_episode_steps`` (Gymnasium's word) and ``max_cycles`` (PettingZoo's) stand for
         ``horizon`` and override it.
         """
-        known = dict(keywords)
+        known = {**(defaults or {}), **keywords}
         for alias in ("max_episode_steps", "max_cycles"):
             steps = known.pop(alias, None)
             if steps is not None:
@@ -98,6 +104,8 @@ class TransportConfig:
         for name in known:
             if name not in names:
                 raise UnknownName("environment keyword", name, names)
+        if defaults and "task" in defaults and isinstance(known["task"], Mapping):
+            known["task"] = _built(known["task"], "task", type(defaults["task"]))
         return cls(**known)
 
     @property
@@ -131,6 +139,7 @@ class TransportConfig:
         for name in ("force_limit", "torque_limit"):
             limit = _limit(getattr(self, name), name, self.num_agents)
             object.__setattr__(self, name, limit)
+        object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
 
@@ -188,3 +197,20 @@ def _limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:
             f"got {value!r}; a torque-free agent is action='force'"
         )
     return tuple(limits.tolist()) if limits.ndim else limits.item()
+
+
+def _agents(value: Any, name: str, num_agents: int) -> tuple[int, ...] | None:
+    """Numbers of agents, each once."""
+    if value is None:
+        return None
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise InvalidInput(
+            f"{name} must be a sequence of agents' numbers, got {value!r}; pass for example (0,)"
+        )
+    agents = tuple(whole(agent, name, at_least=0) for agent in value)
+    if len(set(agents)) < len(agents) or max(agents, default=0) >= num_agents:
+        raise InvalidInput(
+            f"{name} must name agents 0 to {num_agents - 1}, each once, got {agents}; "
+            "drop what is not there"
+        )
+    return agents

@@ -94,7 +94,7 @@ def view_slices(num_agents: int) -> dict[str, slice]:
 
 @njit(cache=True)
 def agent_view(
-    pose, twist, goal, frame, applied, internal, force_share, torque_share, relative_cost
+    pose, twist, goal, told, frame, applied, internal, force_share, torque_share, relative_cost
 ):  # pragma: no cover - compiled
     """All that is seen of a step from each agent's frame, in one pass.
 
@@ -102,6 +102,9 @@ def agent_view(
     ----------
     pose, twist, goal
         ``(world, 3)``, world frame.
+    told
+        ``(world, agent, 2)``: whether an agent is told the goal's place and its angle; what it is
+        not told reads 0.
     frame
         ``(world, agent, 2)``.
     applied, internal
@@ -125,7 +128,10 @@ def agent_view(
             c = cos_object * c_own - sin_object * s_own
             s = sin_object * c_own + cos_object * s_own
             out = seen[k, i]
-            out[0], out[1], out[2], out[3] = c * dx + s * dy, c * dy - s * dx, cos_turn, sin_turn
+            place, angle = told[k, i, 0], told[k, i, 1]
+            out[0] = c * dx + s * dy if place else 0.0
+            out[1] = c * dy - s * dx if place else 0.0
+            out[2], out[3] = (cos_turn, sin_turn) if angle else (0.0, 0.0)
             vx, vy = twist[k, 0], twist[k, 1]
             out[4], out[5], out[6] = c * vx + s * vy, c * vy - s * vx, twist[k, 2]
             at = 7

@@ -48,6 +48,10 @@ def _time_left(transition: Transition) -> FloatArray:
     return transition.per_agent(left)[..., None]
 
 
+def _known(transition: Transition) -> FloatArray:
+    return transition.conditions.told.astype(np.float64)
+
+
 def _others(num_agents: int) -> int:
     return 3 * (num_agents - 1)
 
@@ -96,6 +100,14 @@ BLOCKS: dict[str, Block] = {
             name="relative_cost",
             size=1,
             describe="γ, the fraction of the applied wrench's cost that was compensated",
+        ),
+        Block(
+            name="known",
+            size=2,
+            describe="whether this agent is told the goal's place, and its angle; else they read 0",
+            read=_known,
+            low=0.0,
+            high=1.0,
         ),
         Block(
             name="time",

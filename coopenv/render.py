@@ -85,12 +85,11 @@ class Renderer:
                 f"world must be less than the {len(bodies)} worlds there are, got {world}; "
                 "worlds are counted from 0"
             )
-        self.body, self.scene = bodies[self.world], scenes[self.world]
         width = whole(width, "width", at_least=160)
         self._window = Window("coopenv", positive(fps, "fps")) if mode == "human" else None
+        self._set(bodies[self.world], scenes[self.world])
         self._lay_out(width)
         self._background = self._paint_background()
-        self._scenery, self._shown_goal = self._background, None
 
     @property
     def is_open(self) -> bool:
@@ -110,6 +109,11 @@ class Renderer:
 
         Wrenches are held in the object frame, so they appear turned with the body.
         """
+        conditions = transition.conditions
+        body, scene = conditions.bodies[self.world], conditions.scenes[self.world]
+        if body is not self.body or scene is not self.scene:  # another episode
+            self._set(body, scene)
+            self._background = self._paint_background()
         self._draw_scenery(transition)
         self._draw_body(transition)
         self._draw_wrenches(transition)
@@ -124,6 +128,11 @@ class Renderer:
         """Close the window, if there is one."""
         if self._window is not None:
             self._window.close()
+
+    def _set(self, body: Body, scene: Scene) -> None:
+        """Draw this body in this scene from now on; rooms keep their size."""
+        self.body, self.scene = body, scene
+        self._shown_goal: tuple[Any, ...] | None = None
 
     def _lay_out(self, width: int) -> None:
         """Fix what goes where: the room first, the caption beneath it."""

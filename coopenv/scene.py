@@ -66,15 +66,18 @@ class Scene:
 
     def solids(self) -> list[FloatArray]:
         """Every wall and obstacle as the vertices ``(4, 2)`` of a convex polygon [m]."""
+        return self.walls() + [obstacle.vertices for obstacle in self.obstacles]
+
+    def walls(self) -> list[FloatArray]:
+        """The four walls, each as the vertices ``(4, 2)`` of a convex polygon [m]."""
         half_x, half_y = self.size[0] / 2, self.size[1] / 2
         far_x, far_y = half_x + WALL_THICKNESS, half_y + WALL_THICKNESS
-        walls = [  # each as long as the corners, or a body deep in one would slip out along it
+        return [  # each as long as the corners, or a body deep in one would slip out along it
             _rectangle(-far_x, -far_y, far_x, -half_y),
             _rectangle(-far_x, half_y, far_x, far_y),
             _rectangle(-far_x, -far_y, -half_x, far_y),
             _rectangle(half_x, -far_y, far_x, far_y),
         ]
-        return walls + [obstacle.vertices for obstacle in self.obstacles]
 
     def is_clear(self, outline: FloatArray) -> bool:
         """Whether a convex outline ``(v, 2)`` [m] keeps off every obstacle; walls are not asked."""

@@ -1,14 +1,15 @@
 """What a step was: all that rewards and observations get to see."""
 
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray
-from coopenv.wrench import Decomposer, Decomposition, Settings
+from coopenv.conditions import Conditions, Team
+from coopenv.wrench import Decomposition, Settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -22,55 +23,6 @@ class State:
     time: FloatArray  # (world,): since the episode began [s]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Team:
-    """The effectors of every world: where they hold and how strong they are."""
-
-    grips: FloatArray  # (world, agent, 2), object frame [m]
-    frame: FloatArray  # (world, agent, 2): see `coopenv.frames`
-    limits: FloatArray  # (world, agent, 2): force [N] and torque [N·m] an action of 1 stands for
-    settings: Settings  # of the environment's own decomposition
-    alike: bool  # whether every world has the same grips
-    _decomposers: dict[Settings, Decomposer] = field(default_factory=dict, repr=False)
-
-    @classmethod
-    def build(cls, grips: FloatArray, limits: FloatArray, settings: Settings) -> Self:
-        """A team from its grips and limits, ``(world, agent, 2)`` each."""
-        return cls(
-            grips=grips,
-            frame=frames.agent_frames(grips),
-            limits=limits,
-            settings=settings,
-            alike=bool((grips == grips[:1]).all()),
-        )
-
-    def __reduce__(self):
-        return Team.build, (self.grips, self.limits, self.settings)  # compiled parts do not pickle
-
-    @property
-    def num_agents(self) -> int:
-        """Number of effectors in a world."""
-        return self.grips.shape[1]
-
-    def decomposer(self, settings: Settings) -> Decomposer:
-        """The decomposition under ``settings``, checked on first use."""
-        found = self._decomposers.get(settings)
-        if found is None:
-            found = Decomposer(self.grips[0] if self.alike else self.grips, settings)
-            self._decomposers[settings] = found
-        return found
-
-    def take(self, worlds: IntArray) -> "Team":
-        """Only the given worlds."""
-        return replace(
-            self,
-            grips=self.grips[worlds],
-            frame=self.frame[worlds],
-            limits=self.limits[worlds],
-            _decomposers=self._decomposers if self.alike else {},
-        )
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transition:
     """One control step of every world, from ``state`` to ``next_state``.
@@ -81,7 +33,7 @@ class Transition:
 
     state: State
     next_state: State
-    team: Team
+    conditions: Conditions  # what holds for the whole episode
     action: FloatArray  # (world, agent, a), clipped to [−1, 1], agent frame
     previous_action: FloatArray  # as action; zero at the first step of an episode
     applied: FloatArray  # (world, agent, 3) [N, N·m]
@@ -98,6 +50,11 @@ class Transition:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_decompositions": {}, "_own": []}  # computed again when asked for
+
+    @property
+    def team(self) -> Team:
+        """The effectors."""
+        return self.conditions.team
 
     @property
     def decomposition(self) -> Decomposition:
@@ -124,6 +81,7 @@ class Transition:
             state.pose,
             state.twist,
             state.goal,
+            self.conditions.told,
             self.team.frame,
             self.applied,
             decomposition.internal,
@@ -136,9 +94,11 @@ class Transition:
         """``scale`` × one value a world ``(world,)``, for each agent: ``(world, agent)``."""
         return frames.repeated(value, self.team.num_agents, scale)
 
-    def with_worlds(self, worlds: IntArray, other: "Transition") -> "Transition":
-        """A copy with ``worlds`` replaced by those of ``other``, in order."""
-        return _merged(self, worlds, other)
+    def with_worlds(
+        self, worlds: IntArray, other: "Transition", conditions: Conditions
+    ) -> "Transition":
+        """A copy with ``worlds`` replaced by those of ``other``, in order, under ``conditions``."""
+        return replace(_merged(self, worlds, other), conditions=conditions)
 
 
 def _merged(value: Any, worlds: IntArray, other: Any) -> Any:

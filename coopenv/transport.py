@@ -10,12 +10,17 @@ from numba import njit
 
 from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
+from coopenv.body import Body
+from coopenv.conditions import Team
 from coopenv.config import ACTIONS, TransportConfig
+from coopenv.draws import Draws
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.info import Info, copied, replaced, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.rewards import find_reward
-from coopenv.transition import State, Team, Transition
+from coopenv.scene import Scene
+from coopenv.tasks import MovingTask
+from coopenv.transition import State, Transition
 from coopenv.world import World
 from coopenv.wrench.grasp import sum_at_centre
 
@@ -36,6 +41,8 @@ class Transport:
     ----------
     config, world, observation
         The description, the physics, the observation layout.
+    conditions
+        Bodies, scenes, team and plans of the episodes under way.
     dt, substeps, horizon, num_worlds, num_agents, action_size
         Read from the configuration.
     transition
@@ -71,19 +78,33 @@ class Transport:
         self.horizon = self.config.horizon
         self.reward = find_reward(self.config.reward)
         self.observation = Observation(self.config.observe, self.num_agents)
-        self.bodies = self.config.bodies(self.num_worlds)
-        self.scenes = self.config.scenes(self.num_worlds)
-        self.world = World(self.bodies, self.scenes, dt=self.dt, substeps=self.substeps)
-        limits = np.repeat(self.config.limits()[None], self.num_worlds, axis=0)
-        grips = np.array([body.grips for body in self.bodies])
-        self.team = Team.build(grips, limits, self.config.decomposition)
+        self._draws = Draws(self.config, self.num_worlds)
+        self.conditions = self._draws.first()
         self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
+        self.world = World(self.bodies, self.scenes, dt=self.dt, substeps=self.substeps)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
+        task = self.config.task
+        self._moving = task if isinstance(task, MovingTask) else None
         self._steps = np.zeros(self.num_worlds, dtype=np.int64)
         self._ended, self._any_ended = np.ones(self.num_worlds, dtype=np.bool_), True
         self._obs = np.zeros((0,), dtype=np.float32)
         self._info: Info = {}
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """What is carried, one a world."""
+        return self.conditions.bodies
+
+    @property
+    def scenes(self) -> tuple[Scene, ...]:
+        """Where, one a world."""
+        return self.conditions.scenes
+
+    @property
+    def team(self) -> Team:
+        """Who carries."""
+        return self.conditions.team
 
     def reset(
         self,
@@ -118,20 +139,26 @@ class Transport:
         """
         worlds = self._marked(mask)
         pose, goal = self._given(pose, "pose"), self._given(goal, "goal")
+        if goal is not None and self._moving is not None:
+            raise InvalidInput(
+                f"goal must be left to a task whose goal moves, got {goal[0].tolist()}; give the "
+                "task another reference"
+            )
         self._check_start(worlds, pose)
         self._seed(seed, worlds)
-        drawn = np.array([self._sample(k) for k in worlds.tolist()])  # (reset world, 2, 3)
-        drawn = drawn.reshape(-1, 2, 3)
+        self.conditions, drawn_pose, drawn_goal = self._draws.next(
+            self.conditions, self.generators, worlds
+        )
         start = self._start(
             worlds,
-            drawn[:, 0] if pose is None else pose[worlds],
-            drawn[:, 1] if goal is None else goal[worlds],
+            drawn_pose if pose is None else pose[worlds],
+            drawn_goal if goal is None else goal[worlds],
         )
         obs, info = self.observation(start), start_info(start, tuple(self.reward))
         if self.transition is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:
-            self.transition = self.transition.with_worlds(worlds, start)
+            self.transition = self.transition.with_worlds(worlds, start, self.conditions)
             obs, info = replaced(self._obs, worlds, obs), with_worlds(self._info, worlds, info)
         self._obs, self._info = obs, info
         return obs.copy(), copied(info)
@@ -176,12 +203,12 @@ class Transport:
         self.world.step(sum_at_centre(applied, self.team.grips))
         self._steps, time = _tick(self._steps, self.dt)
         next_state = self._state(before.next_state.goal, time)
-        success = self.config.task.success(next_state.pose, next_state.twist, next_state.goal)
+        success = self._success(next_state)
         truncated, self._ended, self._any_ended = _ends(success, self._steps, self.horizon)
         self.transition = transition = Transition(
             state=before.next_state,
             next_state=next_state,
-            team=self.team,
+            conditions=self.conditions,
             action=clipped,
             previous_action=before.action,
             applied=applied,
@@ -224,7 +251,15 @@ class Transport:
             finite_array(given, "action")  # raises, naming the place
         return clipped, applied
 
+    def _success(self, state: State) -> BoolArray:
+        success = self.config.task.success(state.pose, state.twist, state.goal)
+        if self._moving is None:
+            return success
+        return success & self._moving.due(self.conditions.plan, state.time)
+
     def _state(self, goal: FloatArray, time: FloatArray) -> State:
+        if self._moving is not None:
+            goal = frames.wrap_pose(self._moving.reference(self.conditions.plan, time))
         pose = frames.wrap_pose(self.world.pose)
         distance = self.config.task.distance(pose, goal)
         return State(
@@ -234,6 +269,11 @@ class Transport:
     def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
         """Put ``worlds`` at the start of an episode; the transition that led to nothing yet."""
         count = len(worlds)
+        conditions = self.conditions
+        if count < self.num_worlds:
+            conditions = conditions.take(worlds)
+        if self._draws.changing:
+            self.world.furnish(worlds, conditions.bodies, conditions.scenes)
         self.world.place(worlds, pose)
         self._steps = self._steps.copy()
         self._steps[worlds], self._ended[worlds] = 0, False
@@ -251,7 +291,7 @@ class Transport:
         return Transition(
             state=state,
             next_state=state,
-            team=self.team if count == self.num_worlds else self.team.take(worlds),
+            conditions=conditions,
             action=action,
             previous_action=action,
             applied=np.zeros((count, self.num_agents, 3)),
@@ -262,11 +302,6 @@ class Transport:
             dt=self.dt,
             horizon=self.horizon,
         )
-
-    def _sample(self, k: int) -> tuple[Any, Any]:
-        generator = self.generators[k]
-        assert generator is not None
-        return self.config.task.sample(generator, self.bodies[k], self.scenes[k])
 
     def _seed(self, seed: Seed, worlds: IntArray) -> None:
         chosen = worlds.tolist()

@@ -6,6 +6,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -82,6 +83,24 @@ class World:
         """The pymunk spaces, for measurements; worlds may be stored in any order in them."""
         return [shard.space for shard in self._shards]
 
+    def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
+        """Give ``worlds`` other bodies and obstacles, one entry each; to be placed anew after it.
+
+        Rooms keep their size, and nothing may reach farther than anything did at the start.
+        """
+        self.bodies, self.scenes = (
+            _swapped(self.bodies, worlds, bodies),
+            _swapped(self.scenes, worlds, scenes),
+        )
+        for number, shard in enumerate(self._shards):
+            inside = np.flatnonzero(worlds // SHARD_SIZE == number).tolist()
+            if inside:
+                shard.furnish(
+                    worlds[inside] - number * SHARD_SIZE,
+                    [bodies[j] for j in inside],
+                    [scenes[j] for j in inside],
+                )
+
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put the bodies of ``worlds`` at ``pose`` ``(len(worlds), 3)``, at rest and untouched."""
         self.pose, self.twist = self.pose.copy(), self.twist.copy()
@@ -123,25 +142,20 @@ class _Shard:
     """Worlds far apart on a grid in one pymunk space."""
 
     def __init__(self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float):
-        self._bodies, self._substep = bodies, substep
+        self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
         self._reach = np.array([body.reach for body in bodies])
-        self._table = motion.coefficients(
-            np.array([body.mass for body in bodies]),
-            np.array([body.inertia for body in bodies]),
-            np.array([body.linear_drag for body in bodies]),
-            np.array([body.angular_drag for body in bodies]),
-            substep,
-        )
+        self._table = _table(bodies, substep)
         self.space = pymunk.Space()
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
         self._origin = _grid(bodies, scenes)
         self._bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
         for scene, origin in zip(scenes, self._origin, strict=True):
-            for solid in scene.solids():
-                wall = pymunk.Poly(self.space.static_body, (solid + origin).tolist())
-                wall.friction = scene.friction
-                self.space.add(wall)
+            self._build(scene.walls(), origin, scene.friction)
+        self._obstacles = [
+            self._build([box.vertices for box in scene.obstacles], origin, scene.friction)
+            for scene, origin in zip(scenes, self._origin, strict=True)
+        ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
         self._expected = np.zeros((len(bodies), 3))
@@ -149,6 +163,19 @@ class _Shard:
         self._report, self._reports = _buffer(len(bodies))
         self._names = batch.Buffer()
         self._rows = self._find_rows()
+
+    def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
+        self._table[worlds] = _table(bodies, self._substep)
+        self._reach[worlds] = [body.reach for body in bodies]
+        for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
+            self._bodies[k] = body
+            if scene == self._scenes[k]:
+                continue
+            self._scenes[k] = scene
+            if self._obstacles[k]:
+                self.space.remove(*self._obstacles[k])
+            boxes = [box.vertices for box in scene.obstacles]
+            self._obstacles[k] = self._build(boxes, self._origin[k], scene.friction)
 
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
         # A new body as well as a new shape: the correction velocity of the last contact stays
@@ -185,6 +212,18 @@ class _Shard:
                 "use more substeps, a heavier body, more drag or weaker agents"
             )
 
+    def _build(
+        self, solids: Sequence[FloatArray], origin: FloatArray, friction: float
+    ) -> list[pymunk.Poly]:
+        """Put solids into the space where nothing moves them."""
+        built = []
+        for solid in solids:
+            shape = pymunk.Poly(self.space.static_body, (solid + origin).tolist())
+            shape.friction = friction
+            self.space.add(shape)
+            built.append(shape)
+        return built
+
     def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
         body = pymunk.Body(self._bodies[k].mass, self._bodies[k].inertia or 0.0)
         body.position, body.angle = (x, y), angle
@@ -201,6 +240,23 @@ class _Shard:
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
         return order[np.searchsorted(listed, self._ids, sorter=order)]
+
+
+def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
+    return motion.coefficients(
+        np.array([body.mass for body in bodies]),
+        np.array([body.inertia for body in bodies]),
+        np.array([body.linear_drag for body in bodies]),
+        np.array([body.angular_drag for body in bodies]),
+        substep,
+    )
+
+
+def _swapped(things: Sequence[Any], worlds: IntArray, others: Sequence[Any]) -> tuple[Any, ...]:
+    changed = list(things)
+    for k, other in zip(worlds.tolist(), others, strict=True):
+        changed[k] = other
+    return tuple(changed)
 
 
 def _buffer(num_bodies: int) -> tuple[FloatArray, batch.Buffer]:

@@ -71,6 +71,7 @@ def test_every_block_is_what_it_says(team):
         "partner_internal": internal[:, :, 1:].reshape(4, count, -1),
         "load_share": np.stack([share.force, share.torque], axis=-1),
         "relative_cost": transition.decomposition.relative_cost[:, None, None].repeat(count, 1),
+        "known": np.ones((4, count, 2)),
         "time": np.full((4, count, 1), 1 - 7 / core.horizon),
     }
     assert set(wanted) == set(BLOCKS)
@@ -177,6 +178,23 @@ def test_a_block_that_reads_another_shape_than_it_says_is_refused():
 
 def test_an_unknown_block_lists_the_known_ones():
     with pytest.raises(
-        UnknownName, match=r"got 'partner'; .*known: goal, load_share, own_internal"
+        UnknownName, match=r"got 'partner'; .*known: goal, known, load_share, own_internal"
     ):
         Observation(["partner"], 2)
+
+
+def test_an_agent_that_is_not_told_the_goal_reads_zeros_beside_a_known_flag_of_zero():
+    core, _, obs = moved(informed=(1,))
+    blocks = core.observation.blocks
+    assert not obs[:, 0, blocks["goal"]].any()
+    assert not obs[:, 0, blocks["known"]].any()
+    assert obs[:, 1, blocks["goal"]].all()
+    assert (obs[:, 1, blocks["known"]] == 1).all()
+    _, _, told = moved()
+    np.testing.assert_array_equal(obs[:, 1], told[:, 1])
+
+
+@pytest.mark.parametrize("informed", [(2,), (0, 0), (-1,), 0, "first", (0.5,)])
+def test_an_informed_agent_that_does_not_exist_is_refused(informed):
+    with pytest.raises(InvalidInput, match="informed must"):
+        Transport(informed=informed)

@@ -40,6 +40,8 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         For ``metadata``.
     render_mode
         ``None``, ``"human"`` or ``"rgb_array"``.
+    defaults
+        Fields of the configuration that an id changes.
     **keywords
         Fields of `coopenv.TransportConfig`.
     """
@@ -49,8 +51,15 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         "is_parallelizable": True,
     }
 
-    def __init__(self, *, name: str, render_mode: str | None = None, **keywords: Any):
-        self.transport = Transport(config=TransportConfig.parse(keywords))
+    def __init__(
+        self,
+        *,
+        name: str,
+        render_mode: str | None = None,
+        defaults: Mapping[str, Any] | None = None,
+        **keywords: Any,
+    ):
+        self.transport = Transport(config=TransportConfig.parse(keywords, defaults))
         self._pictures = Pictures(self.transport, render_mode)
         self.render_mode = render_mode
         fps = max(1, round(1 / self.transport.dt))

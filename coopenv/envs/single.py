@@ -1,5 +1,6 @@
 """Gymnasium view: one world, one joint action, one joint observation, team-mean reward."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -34,6 +35,8 @@ class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32
     ----------
     render_mode
         ``None``, ``"human"`` or ``"rgb_array"``.
+    defaults
+        Fields of the configuration that an id changes.
     **keywords
         Fields of `coopenv.TransportConfig`.
     """
@@ -43,8 +46,14 @@ class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32
         "render_fps": 20,
     }
 
-    def __init__(self, *, render_mode: str | None = None, **keywords: Any):
-        self.transport = Transport(config=TransportConfig.parse(keywords))
+    def __init__(
+        self,
+        *,
+        render_mode: str | None = None,
+        defaults: Mapping[str, Any] | None = None,
+        **keywords: Any,
+    ):
+        self.transport = Transport(config=TransportConfig.parse(keywords, defaults))
         self._pictures = Pictures(self.transport, render_mode)
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1 / self.transport.dt))}

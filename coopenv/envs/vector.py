@@ -1,5 +1,6 @@
 """Gymnasium vector view: all worlds of a transport as one ``VectorEnv`` with autoreset."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -36,6 +37,8 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         ending step returns the new episode's observation; the last of the old one is
         ``info["final_obs"]``, its info ``info["final_info"]``. ``"Disabled"``: the caller resets
         with ``options={"reset_mask": ...}``. Gymnasium's enumeration is taken as well.
+    defaults
+        Fields of the configuration that an id changes.
     **keywords
         Fields of `coopenv.TransportConfig`.
     """
@@ -51,9 +54,10 @@ class TransportVectorEnv(gymnasium.vector.VectorEnv):
         *,
         render_mode: str | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        defaults: Mapping[str, Any] | None = None,
         **keywords: Any,
     ):
-        config = TransportConfig.parse(keywords)
+        config = TransportConfig.parse(keywords, defaults)
         self.transport = Transport(num_worlds=num_envs, config=config)
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self._pictures = Pictures(self.transport, render_mode, self.metadata["render_modes"])

@@ -1,6 +1,14 @@
 """What is to be carried where."""
 
-from coopenv.tasks.base import Pose, Task
+from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task
 from coopenv.tasks.transport import TransportTask
 
-__all__ = ["Pose", "Task", "TransportTask"]
+__all__ = [
+    "Episode",
+    "FurnishedTask",
+    "GuidedTask",
+    "MovingTask",
+    "Pose",
+    "Task",
+    "TransportTask",
+]

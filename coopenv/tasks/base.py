@@ -1,26 +1,42 @@
-"""What a task has to say."""
+"""What a task has to say, and what it may say besides."""
 
+from dataclasses import dataclass
 from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.body import Body
-from coopenv.scene import Scene
+from coopenv.scene import Box, Scene
 
 Pose: TypeAlias = tuple[float, float, float]  # x, y [m], θ [rad]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Episode:
+    """What a task draws for one world's next episode."""
+
+    start: Pose
+    goal: Pose  # of a moving goal: where it is when the episode begins
+    obstacles: tuple[Box, ...] = ()  # beside those of the scene; at most the task's max_obstacles
+    plan: tuple[float, ...] = ()  # numbers the task reads back later; as many in every episode
+
+
 @runtime_checkable
 class Task(Protocol):
-    """Start, goal and success. Stateless: the same object serves every world."""
+    """Start, goal and success. Stateless: the same object serves every world.
+
+    Besides, a task may be a `FurnishedTask`, a `MovingTask`, a `GuidedTask`.
+    """
 
     def check(self, body: Body, scene: Scene) -> None:
         """Raise `coopenv.errors.InvalidInput` where the task cannot be done with these."""
         ...
 
-    def sample(self, generator: np.random.Generator, body: Body, scene: Scene) -> tuple[Pose, Pose]:
-        """Start and goal pose of one world's next episode."""
+    def sample(
+        self, generator: np.random.Generator, body: Body, scene: Scene
+    ) -> tuple[Pose, Pose] | Episode:
+        """Start and goal pose of one world's next episode, or a whole `Episode`."""
         ...
 
     def distance(self, pose: FloatArray, goal: FloatArray) -> FloatArray:
@@ -29,4 +45,36 @@ class Task(Protocol):
 
     def success(self, pose: FloatArray, twist: FloatArray, goal: FloatArray) -> BoolArray:
         """Whether each world is done, ``(world,)``."""
+        ...
+
+
+@runtime_checkable
+class FurnishedTask(Protocol):
+    """A task whose episodes bring obstacles of their own."""
+
+    @property
+    def max_obstacles(self) -> int:
+        """The most that an `Episode` of it has."""
+        ...
+
+
+@runtime_checkable
+class MovingTask(Protocol):
+    """A task whose goal moves, or which cannot be done before some time."""
+
+    def reference(self, plan: FloatArray, time: FloatArray) -> FloatArray:
+        """Where the goals are, ``(world, 3)``, for plans ``(world, number)`` and times [s]."""
+        ...
+
+    def due(self, plan: FloatArray, time: FloatArray) -> BoolArray:
+        """Whether success counts yet, ``(world,)``."""
+        ...
+
+
+@runtime_checkable
+class GuidedTask(Protocol):
+    """A task that does not tell every agent everything about the goal."""
+
+    def told(self, num_agents: int) -> BoolArray:
+        """``(agent, 2)``: who is told the goal's place, and its angle."""
         ...

@@ -10,7 +10,7 @@ from coopenv.arrays import BoolArray, FloatArray, positive
 from coopenv.body import Body
 from coopenv.errors import InvalidInput
 from coopenv.scene import Scene
-from coopenv.tasks.base import Pose
+from coopenv.tasks.base import Episode, Pose
 
 _TRIES = 1000
 
@@ -34,7 +34,7 @@ class TransportTask:
     min_distance: float = 0.5  # [m] between start and goal, in the task's distance
 
     def __post_init__(self) -> None:
-        for entry in fields(self):
+        for entry in fields(TransportTask):
             value = getattr(self, entry.name)
             or_zero = entry.name in ("clearance", "min_distance")
             value = positive(value, f"task.{entry.name}", or_zero=or_zero)
@@ -49,7 +49,9 @@ class TransportTask:
                 "enlarge the room or shorten body.outline"
             )
 
-    def sample(self, generator: np.random.Generator, body: Body, scene: Scene) -> tuple[Pose, Pose]:
+    def sample(
+        self, generator: np.random.Generator, body: Body, scene: Scene
+    ) -> tuple[Pose, Pose] | Episode:
         """Start and goal, each uniform over what the walls and obstacles leave free."""
         start = self._free_pose(generator, body, scene)
         for _ in range(_TRIES):

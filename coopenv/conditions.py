@@ -1,0 +1,186 @@
+"""What holds for a whole episode: who carries what, where, and who knows what; one row a world."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+import numpy as np
+
+from coopenv import frames
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.body import Body
+from coopenv.scene import Scene
+from coopenv.wrench import Decomposer, Settings
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Team:
+    """The effectors of every world: where they hold and how strong they are."""
+
+    grips: FloatArray  # (world, agent, 2), object frame [m]
+    frame: FloatArray  # (world, agent, 2): see `coopenv.frames`
+    limits: FloatArray  # (world, agent, 2): force [N] and torque [N·m] an action of 1 stands for
+    settings: Settings  # of the environment's own decomposition
+    alike: bool  # whether every world has the same grips
+    _decomposers: dict[Settings, Decomposer] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def build(cls, grips: FloatArray, limits: FloatArray, settings: Settings) -> Self:
+        """A team from its grips and limits, ``(world, agent, 2)`` each."""
+        return cls(
+            grips=grips,
+            frame=frames.agent_frames(grips),
+            limits=limits,
+            settings=settings,
+            alike=bool((grips == grips[:1]).all()),
+        )
+
+    def __reduce__(self):
+        return Team.build, (self.grips, self.limits, self.settings)  # compiled parts do not pickle
+
+    @property
+    def num_agents(self) -> int:
+        """Number of effectors in a world."""
+        return self.grips.shape[1]
+
+    def decomposer(self, settings: Settings) -> Decomposer:
+        """The decomposition under ``settings``, checked on first use."""
+        found = self._decomposers.get(settings)
+        if found is None:
+            found = Decomposer(self.grips[0] if self.alike else self.grips, settings)
+            self._decomposers[settings] = found
+        return found
+
+    def take(self, worlds: IntArray) -> "Team":
+        """Only the given worlds."""
+        return replace(
+            self,
+            grips=self.grips[worlds],
+            frame=self.frame[worlds],
+            limits=self.limits[worlds],
+            _decomposers=self._decomposers if self.alike else {},
+        )
+
+    def with_worlds(self, worlds: IntArray, grips: FloatArray, limits: FloatArray) -> "Team":
+        """A copy with the grips and limits of ``worlds`` replaced."""
+        limits = _replaced(self.limits, worlds, limits)
+        if np.array_equal(self.grips[worlds], grips):
+            return replace(self, limits=limits)
+        return Team.build(_replaced(self.grips, worlds, grips), limits, self.settings)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Load:
+    """The body of every world as arrays."""
+
+    mass: FloatArray  # (world,) [kg]
+    inertia: FloatArray  # (world,) [kg·m²]
+    linear_drag: FloatArray  # (world,) [N·s/m]
+    angular_drag: FloatArray  # (world,) [N·m·s]
+    friction: FloatArray  # (world,)
+    outline: FloatArray  # (world, vertex, 2), object frame [m]; short ones repeat their last vertex
+
+    @classmethod
+    def of(cls, bodies: Sequence[Body], vertices: int) -> Self:
+        """One row a body, with space for ``vertices`` in each outline."""
+        numbers = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
+        return cls(
+            **{name: np.array([getattr(b, name) for b in bodies], dtype=float) for name in numbers},
+            outline=np.array(
+                [b.outline + b.outline[-1:] * (vertices - len(b.outline)) for b in bodies]
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Room:
+    """The scene of every world as arrays; world frame."""
+
+    size: FloatArray  # (world, 2) [m], inner width and height, centred on the origin
+    boxes: FloatArray  # (world, box, 5): centre x, y, width, height [m], angle [rad]
+    count: IntArray  # (world,): boxes there are; the rows after them are zero
+
+    @classmethod
+    def of(cls, scenes: Sequence[Scene], capacity: int) -> Self:
+        """One row a scene, with space for ``capacity`` boxes in each."""
+        boxes = np.zeros((len(scenes), capacity, 5))
+        for k, scene in enumerate(scenes):
+            for j, box in enumerate(scene.obstacles):
+                boxes[k, j] = *box.center, *box.size, box.angle
+        return cls(
+            size=np.array([scene.size for scene in scenes]),
+            boxes=boxes,
+            count=np.array([len(scene.obstacles) for scene in scenes]),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Conditions:
+    """What holds for an episode; a reset replaces the rows of the worlds that begin anew."""
+
+    bodies: tuple[Body, ...]
+    scenes: tuple[Scene, ...]
+    team: Team
+    load: Load
+    room: Room
+    task: Any  # the `coopenv.Task`
+    plan: FloatArray  # (world, number): what the task drew for itself; see `coopenv.tasks.Episode`
+    told: BoolArray  # (world, agent, 2): who is told the goal's place, and its angle
+
+    def take(self, worlds: IntArray) -> "Conditions":
+        """Only the given worlds."""
+        return replace(
+            self,
+            bodies=tuple(self.bodies[k] for k in worlds.tolist()),
+            scenes=tuple(self.scenes[k] for k in worlds.tolist()),
+            team=self.team.take(worlds),
+            load=_rows(self.load, worlds),
+            room=_rows(self.room, worlds),
+            plan=self.plan[worlds],
+            told=self.told[worlds],
+        )
+
+    def with_worlds(
+        self,
+        worlds: IntArray,
+        bodies: Sequence[Body],
+        scenes: Sequence[Scene],
+        limits: FloatArray,
+        plan: FloatArray,
+    ) -> "Conditions":
+        """A copy in which ``worlds`` hold new things, one entry of each argument a world."""
+        mine = list(self.bodies), list(self.scenes)
+        for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
+            mine[0][k], mine[1][k] = body, scene
+        grips = np.array([body.grips for body in bodies])
+        load = Load.of(bodies, self.load.outline.shape[1])
+        room = Room.of(scenes, self.room.boxes.shape[1])
+        return replace(
+            self,
+            bodies=tuple(mine[0]),
+            scenes=tuple(mine[1]),
+            team=self.team.with_worlds(worlds, grips, limits),
+            load=_merged_rows(self.load, worlds, load),
+            room=_merged_rows(self.room, worlds, room),
+            plan=_replaced(self.plan, worlds, plan),
+        )
+
+
+def _rows(value: Any, worlds: IntArray) -> Any:
+    return replace(value, **{name: getattr(value, name)[worlds] for name in value.__slots__})
+
+
+def _merged_rows(value: Any, worlds: IntArray, other: Any) -> Any:
+    return replace(
+        value,
+        **{
+            name: _replaced(getattr(value, name), worlds, getattr(other, name))
+            for name in value.__slots__
+        },
+    )
+
+
+def _replaced(array: Any, worlds: IntArray, rows: Any) -> Any:
+    copy = array.copy()
+    copy[worlds] = rows
+    return copy

@@ -1,0 +1,112 @@
+"""Draws the episodes of a transport: what is carried, what stands where, start, goal and plan."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.conditions import Conditions, Load, Room, Team
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
+from coopenv.scene import WALL_THICKNESS, Scene
+from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask
+
+Generators = Sequence[np.random.Generator | None]
+
+
+class Draws:
+    """Draws episodes world by world, each from its own generator.
+
+    Parameters
+    ----------
+    config
+        What may be drawn.
+    num_worlds
+        Worlds drawn for.
+
+    Attributes
+    ----------
+    changing
+        Whether an episode's conditions may differ from those of the one before it.
+    """
+
+    def __init__(self, config: TransportConfig, num_worlds: int):
+        self._task = config.task
+        self._bodies, self._scenes = config.bodies(num_worlds), config.scenes(num_worlds)
+        self._limits = np.repeat(config.limits()[None], num_worlds, axis=0)
+        self._settings = config.decomposition
+        self._own_boxes = self._task.max_obstacles if isinstance(self._task, FurnishedTask) else 0
+        self._told = self._told_by(config)
+        self.changing = self._own_boxes > 0 or isinstance(self._task, MovingTask)
+
+    def first(self) -> Conditions:
+        """What holds before the first episode is drawn."""
+        bodies, scenes = self._bodies, self._scenes
+        capacity = self._own_boxes + max(len(scene.obstacles) for scene in scenes)
+        return Conditions(
+            bodies=bodies,
+            scenes=scenes,
+            team=Team.build(np.array([b.grips for b in bodies]), self._limits, self._settings),
+            load=Load.of(bodies, max(len(body.outline) for body in bodies)),
+            room=Room.of(scenes, capacity),
+            task=self._task,
+            plan=np.zeros((len(bodies), 0)),
+            told=np.repeat(self._told[None], len(bodies), axis=0),
+        )
+
+    def next(
+        self, conditions: Conditions, generators: Generators, worlds: IntArray
+    ) -> tuple[Conditions, FloatArray, FloatArray]:
+        """Conditions with the next episodes of ``worlds``, and their starts and goals."""
+        chosen = worlds.tolist()
+        episodes = [self._episode(generators[k], k) for k in chosen]
+        start = np.array([episode.start for episode in episodes]).reshape(-1, 3)
+        goal = np.array([episode.goal for episode in episodes]).reshape(-1, 3)
+        if self.changing and chosen:
+            plan = np.array([episode.plan for episode in episodes], dtype=np.float64)
+            if plan.shape[1] != conditions.plan.shape[1]:
+                conditions = replace(
+                    conditions, plan=np.zeros((len(conditions.bodies), plan.shape[1]))
+                )
+            conditions = conditions.with_worlds(
+                worlds,
+                bodies=[self._bodies[k] for k in chosen],
+                scenes=[self._furnished(k, e) for k, e in zip(chosen, episodes, strict=True)],
+                limits=self._limits[worlds],
+                plan=plan,
+            )
+        return conditions, start, goal
+
+    def _episode(self, generator: np.random.Generator | None, k: int) -> Episode:
+        assert generator is not None
+        drawn = self._task.sample(generator, self._bodies[k], self._scenes[k])
+        return drawn if isinstance(drawn, Episode) else Episode(start=drawn[0], goal=drawn[1])
+
+    def _furnished(self, k: int, episode: Episode) -> Scene:
+        """The scene of world ``k`` with the obstacles that an episode brings."""
+        scene, boxes = self._scenes[k], episode.obstacles
+        if not boxes:
+            return scene
+        if len(boxes) > self._own_boxes:
+            raise InvalidInput(
+                f"max_obstacles of the task must be at least {len(boxes)}, got {self._own_boxes}; "
+                "raise it to the most obstacles an episode brings"
+            )
+        far = np.array(scene.size) / 2 + WALL_THICKNESS
+        for box in boxes:
+            if (np.abs(box.vertices) > far).any():
+                raise InvalidInput(
+                    f"obstacles of an episode must lie within the walls of a room of {scene.size} "
+                    f"m, got {box}; move or shorten it"
+                )
+        return replace(scene, obstacles=scene.obstacles + boxes)
+
+    def _told_by(self, config: TransportConfig) -> np.ndarray:
+        told = np.ones((config.num_agents, 2), dtype=np.bool_)
+        if config.informed is not None:
+            told[:] = False
+            told[list(config.informed)] = True
+        if isinstance(self._task, GuidedTask):
+            told &= self._task.told(config.num_agents)
+        return told

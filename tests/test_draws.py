@@ -1,0 +1,126 @@
+"""Episodes that bring obstacles, moving goals and secrets of their own."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from coopenv import Box, Episode, Scene, Transport, TransportTask
+from coopenv.errors import InvalidInput
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cluttered(TransportTask):
+    """A box somewhere on the left, the goal on the right."""
+
+    max_obstacles: int = 2
+    boxes: int = 1
+
+    def sample(self, generator, body, scene):
+        x, y = generator.uniform(-2.5, -1.5), generator.uniform(-2.0, 2.0)
+        box = Box(center=(x, y), size=(0.3, 0.5), angle=generator.uniform(-1, 1))
+        return Episode(start=(1.5, 0.0, 1.5), goal=(2.0, y, 1.0), obstacles=(box,) * self.boxes)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chase(TransportTask):
+    """A goal that runs along x at a drawn speed and counts only after a second."""
+
+    def sample(self, generator, body, scene):
+        speed = float(generator.uniform(0.1, 0.5))
+        return Episode(start=(0.0, 0.0, 0.0), goal=(0.0, 0.0, 0.0), plan=(speed,))
+
+    def reference(self, plan, time):
+        return np.stack([plan[:, 0] * time, 0 * time, 0 * time], axis=-1)
+
+    def due(self, plan, time):
+        return time >= 1.0
+
+
+class Secret(TransportTask):
+    """Only agent 0 is told the angle."""
+
+    def told(self, num_agents):
+        told = np.ones((num_agents, 2), dtype=bool)
+        told[1:, 1] = False
+        return told
+
+
+def test_every_episode_brings_its_own_obstacles_into_physics_and_conditions():
+    core = Transport(num_worlds=3, task=Cluttered())
+    core.reset(seed=0)
+    seen = [scene.obstacles[0] for scene in core.scenes]
+    assert len(set(seen)) == 3
+    for k, box in enumerate(seen):
+        wanted = [*box.center, *box.size, box.angle]
+        np.testing.assert_array_equal(core.conditions.room.boxes[k, 0], wanted)
+    assert core.conditions.room.count.tolist() == [1, 1, 1]
+    core.reset(mask=np.array([False, True, False]))
+    kept = [scene.obstacles[0] == box for scene, box in zip(core.scenes, seen, strict=True)]
+    assert kept == [True, False, True]
+
+
+def test_a_body_is_stopped_by_the_obstacle_of_this_episode_and_not_by_the_last_ones():
+    scene = Scene(size=(12.0, 12.0))
+    core = Transport(num_worlds=2, task=Cluttered(), scene=scene)
+    core.reset(seed=0)
+    core.reset(seed=5)
+    (x, y), height = core.scenes[0].obstacles[0].center, 2.0
+    core.reset(seed=5, pose=(x, y + height, 0.0))
+    down = np.zeros((2, 2, 3))
+    down[:, 0], down[:, 1] = (0.0, -0.5, 0.0), (0.0, 0.5, 0.0)  # agent 1 looks the other way
+    for _ in range(60):
+        core.step(down)
+    assert core.world.pose[0, 1] > y + 0.2  # rests on its box
+    gone = replace(core.config, task=Cluttered(boxes=0))
+    free = Transport(num_worlds=2, config=gone)
+    free.reset(seed=5, pose=(x, y + height, 0.0))
+    for _ in range(60):
+        free.step(down)
+    assert free.world.pose[0, 1] < y - 0.2
+
+
+def test_an_episode_in_a_refurnished_world_equals_one_in_a_fresh_core():
+    action = np.random.default_rng(1).uniform(-1, 1, (40, 2, 2, 3))
+    used, fresh = (Transport(num_worlds=2, task=Cluttered()) for _ in range(2))
+    used.reset(seed=3)
+    for step in action:
+        used.step(step)
+    used.reset(seed=8)
+    fresh.reset(seed=8)
+    for step in action:
+        used.step(step)
+        fresh.step(step)
+    np.testing.assert_array_equal(used.world.pose, fresh.world.pose)
+
+
+def test_a_task_with_more_obstacles_than_it_declares_is_refused():
+    with pytest.raises(InvalidInput, match="max_obstacles of the task must be at least 3, got 2"):
+        Transport(task=Cluttered(boxes=3)).reset(seed=0)
+
+
+def test_a_moving_goal_is_where_its_plan_says_and_success_waits_until_it_is_due():
+    core = Transport(num_worlds=2, task=Chase(position_tolerance=2.0))
+    core.reset(seed=0)
+    speed = core.conditions.plan[:, 0].copy()
+    assert speed[0] != speed[1]
+    for step in range(1, 21):
+        *_, terminated, _, info = core.step(np.zeros((2, 2, 3)))
+        assert core.transition is not None
+        goal = core.transition.next_state.goal
+        np.testing.assert_allclose(goal[:, 0], speed * step * core.dt)
+        assert terminated.tolist() == [step == 20] * 2
+        assert info["success"].tolist() == terminated.tolist()
+
+
+def test_the_goal_of_a_moving_task_cannot_be_given():
+    with pytest.raises(InvalidInput, match="goal must be left to a task whose goal moves"):
+        Transport(task=Chase()).reset(seed=0, goal=(1, 1, 0))
+
+
+def test_a_task_tells_each_agent_what_it_may_know():
+    core = Transport(task=Secret(), observe=("goal", "known"))
+    obs, _ = core.reset(seed=0)
+    assert obs[0, 0].all()
+    assert obs[0, 1, :2].all()
+    np.testing.assert_array_equal(obs[0, 1, 2:], [0, 0, 1, 0])
