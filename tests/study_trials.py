@@ -12,6 +12,15 @@ STEPS = 40
 FORCE, TORQUE = 4.0, 2.0  # [N], [N·m] on the object
 
 
+UNDONE = {"one": 0.3, "both": 0.2, "none": 0.5}  # [N·m]
+
+
+def undone(pair, guide, trial, time):
+    """Differs by pair, guide and trial; five times as much after 0.6 s."""
+    level = UNDONE[guide] + 0.02 * pair * (1 + (guide == "none")) + 0.05 * (trial - 1)
+    return np.where(time < 0.6 - 1e-9, level, 5 * level)
+
+
 def steady_shares(pair: int, guide: str, trial: int, time: np.ndarray):
     """Force and torque share of agent 1 over time."""
     return np.full(len(time), 0.5), np.ones(len(time))
@@ -20,6 +29,12 @@ def steady_shares(pair: int, guide: str, trial: int, time: np.ndarray):
 def no_disagreement(pair: int, guide: str, trial: int, time: np.ndarray):
     """Torque of agent 1 that agent 2 undoes, over time [N·m]."""
     return np.zeros(len(time))
+
+
+def varied(pair, guide, trial, time):
+    """As `undone`, in some trials the other way, where the methods differ by pair and guide."""
+    generator = np.random.default_rng([pair, GUIDES.index(guide), trial])
+    return undone(pair, guide, trial, time) * generator.uniform(-1.5, 1.0)
 
 
 def make_trials(

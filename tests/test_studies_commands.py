@@ -7,8 +7,7 @@ import pytest
 pytest.importorskip("tyro")
 pytest.importorskip("statsmodels")
 
-from study_trials import make_trials
-from test_studies_dyads import varied
+from study_trials import make_trials, varied
 
 from coopenv import cli
 

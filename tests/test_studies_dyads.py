@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
 
-from study_trials import GUIDES, TORQUE, make_trials
+from study_trials import GUIDES, TORQUE, UNDONE, make_trials, undone, varied
 
 from coopenv.agents.studies import dyads_report
 from coopenv.agents.studies.dyads import METHODS, analyse, internal_torques, quadrant_shares
@@ -17,13 +17,6 @@ from coopenv.agents.studies.trials import checked_trials
 from coopenv.errors import InvalidInput
 
 OURS = "prioritized_torque"
-UNDONE = {"one": 0.3, "both": 0.2, "none": 0.5}  # [N·m]
-
-
-def undone(pair, guide, trial, time):
-    """Differs by pair, guide and trial; five times as much after 0.6 s."""
-    level = UNDONE[guide] + 0.02 * pair * (1 + (guide == "none")) + 0.05 * (trial - 1)
-    return np.where(time < 0.6 - 1e-9, level, 5 * level)
 
 
 def mixed_shares(pair, guide, trial, time):
@@ -109,12 +102,6 @@ def _f_of_guide(table: Any) -> float:
     rest = cells - cells.mean(axis=0) - cells.mean(axis=1, keepdims=True) + cells.mean()
     explained = len(cells) * ((cells.mean(axis=0) - cells.mean()) ** 2).sum()
     return (explained / 2) / ((rest**2).sum() / (2 * (len(cells) - 1)))
-
-
-def varied(pair, guide, trial, time):
-    """As `undone`, in some trials the other way, where the methods differ by pair and guide."""
-    generator = np.random.default_rng([pair, GUIDES.index(guide), trial])
-    return undone(pair, guide, trial, time) * generator.uniform(-1.5, 1.0)
 
 
 @pytest.fixture(scope="module")

@@ -23,6 +23,26 @@ def test_trials_come_back_from_files_in_order_of_time(tmp_path):
     pd.testing.assert_frame_equal(found, expected, check_dtype=False)
 
 
+def test_arrays_make_the_same_table_as_columns():
+    table = trials.checked_trials(make_trials(pairs=2, trials=1))
+    made = trials.table_of(
+        pair=table["pair"],
+        condition=table["condition"],
+        trial=0,
+        time=table["time"],
+        pose=table[["x", "y", "theta"]],
+        applied=trials.applied_wrenches(table),
+        grips=trials.grip_positions(table),
+        first=1,
+    )
+    pd.testing.assert_frame_equal(made, table, check_like=True, check_dtype=False)
+    with pytest.raises(InvalidInput, match=r"applied must be of shape \(3, 2, 3\)"):
+        trials.table_of(
+            pair=0, condition="one", trial=0, time=[0, 1, 2], pose=[0, 0, 0],
+            applied=np.zeros((4, 2, 3)), grips=np.zeros((2, 2)),
+        )  # fmt: skip
+
+
 def test_time_turn_and_duration_are_those_of_the_trial():
     table = trials.checked_trials(make_trials(pairs=1, trials=2, spin=-2.0))
     time = DT * np.arange(STEPS)

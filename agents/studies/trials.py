@@ -17,8 +17,10 @@ import os
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
@@ -58,6 +60,52 @@ def read_trials(paths: Sequence[str | os.PathLike]) -> Table:
         except (InvalidInput, ValueError) as error:
             raise InvalidInput(f"{path}: {error}") from error
     return checked_trials(pd.concat(tables, ignore_index=True))
+
+
+def table_of(
+    *,
+    pair: npt.ArrayLike,
+    condition: npt.ArrayLike,
+    trial: npt.ArrayLike,
+    time: npt.ArrayLike,
+    pose: npt.ArrayLike,
+    applied: npt.ArrayLike,
+    grips: npt.ArrayLike,
+    first: npt.ArrayLike | None = None,
+) -> Table:
+    """A checked table of what a simulation or a reader of recordings holds as arrays.
+
+    Parameters
+    ----------
+    pair, condition, trial, first
+        ``(rows,)``, or one for all rows.
+    time
+        ``(rows,)`` [s].
+    pose
+        ``(rows, 3)`` x, y [m] and θ [rad], world frame.
+    applied
+        ``(rows, 2, 3)`` object frame [N, N·m].
+    grips
+        ``(2, 2)`` or ``(rows, 2, 2)`` object frame [m].
+
+    Raises
+    ------
+    InvalidInput
+        If a shape is wrong, or as in `checked_trials`.
+    """
+    rows = len(np.atleast_1d(np.asarray(time)))
+    columns: dict[str, npt.NDArray[Any]] = {}
+    keys = {"pair": pair, "condition": condition, "trial": trial, "time": time}
+    for name, value in (keys if first is None else {**keys, "first": first}).items():
+        columns[name] = _shaped(value, name, (rows,))
+    for names, value, name, shape in (
+        (POSE, pose, "pose", (3,)),
+        (WRENCHES, applied, "applied", (2, 3)),
+        (GRIPS, grips, "grips", (2, 2)),
+    ):
+        flat = _shaped(value, name, (rows, *shape)).reshape(rows, -1)
+        columns |= dict(zip(names, flat.T, strict=True))
+    return checked_trials(pd.DataFrame(columns))
 
 
 def checked_trials(trials: Table) -> Table:
@@ -174,6 +222,17 @@ def turned(trials: Table) -> FloatArray:
 
 def _rows(trials: Table) -> list[slice]:
     return rows_by_trial(trial_numbers(trials))
+
+
+def _shaped(value: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+    array = np.asarray(value)
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError as error:
+        raise InvalidInput(
+            f"{name} must be of shape {shape}, or one for all rows, got {array.shape}; "
+            "put the samples first"
+        ) from error
 
 
 def _check_first(trials: Table) -> None:
