@@ -2,6 +2,7 @@
 
 from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task
 from coopenv.tasks.transport import TransportTask
+from coopenv.tasks.walker import RollingTask, WalkerAvoidTask, WalkerTurnTask
 
 __all__ = [
     "Episode",
@@ -9,6 +10,9 @@ __all__ = [
     "GuidedTask",
     "MovingTask",
     "Pose",
+    "RollingTask",
     "Task",
     "TransportTask",
+    "WalkerAvoidTask",
+    "WalkerTurnTask",
 ]
