@@ -7,7 +7,7 @@ from coopenv.envs.module import views
 from coopenv.nearest import NEAREST
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.scene import Scene
-from coopenv.tasks.walker import WalkerAvoidTask
+from coopenv.tasks.walker_avoid import WalkerAvoidTask
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]
 

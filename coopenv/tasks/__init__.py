@@ -1,8 +1,10 @@
 """What is to be carried where."""
 
 from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task
+from coopenv.tasks.rolling import RollingTask
 from coopenv.tasks.transport import TransportTask
-from coopenv.tasks.walker import RollingTask, WalkerAvoidTask, WalkerTurnTask
+from coopenv.tasks.walker_avoid import WalkerAvoidTask
+from coopenv.tasks.walker_turn import WalkerTurnTask
 
 __all__ = [
     "Episode",

@@ -1,0 +1,77 @@
+"""What the tasks of a body on wheels share: a distance that knows how it moves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numba import njit
+
+from coopenv.arrays import FloatArray, positive
+from coopenv.errors import InvalidInput
+from coopenv.tasks.transport import TransportTask
+
+Range: TypeAlias = tuple[float, float]  # least, most
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollingTask(TransportTask):
+    """`TransportTask` for a body that cannot move sideways; its distance knows that.
+
+    The way to the goal counts as a turn towards it, a straight drive (forwards or backwards,
+    whichever is cheaper) and a turn into the goal's angle.
+    """
+
+    def distance(self, pose: FloatArray, goal: FloatArray) -> FloatArray:
+        """ρ + w (s(|α| + |β|) + (1 − s)|Δθ|) [m], s = ρ² / (ρ² + ρ₀²).
+
+        ρ is the distance, α the turn from the heading to the way, β the turn from the way to the
+        goal's angle, w ``angle_weight`` and ρ₀ ``position_tolerance``: within it there is no way
+        left to turn to.
+        """
+        return _rolling_distance(pose, goal, self.angle_weight, self.position_tolerance)
+
+
+def between(ends: Range, fraction: float) -> float:
+    """The value at ``fraction`` of the way from the least to the most."""
+    return float(ends[0] + fraction * (ends[1] - ends[0]))
+
+
+def ordered(value: Any, name: str, *, unit: str, at_most: float = np.inf) -> Range:
+    """Read a range (least, most) of numbers that are not negative, or raise `InvalidInput`."""
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise InvalidInput(
+            f"{name} must be two numbers (least, most), got {value!r}; give them in {unit}"
+        )
+    least = positive(value[0], name, unit=unit, or_zero=True)
+    most = positive(value[1], name, unit=unit)
+    if not least <= most <= at_most:
+        raise InvalidInput(
+            f"{name} must be (least, most) in order and at most {at_most:.4g}, got {value!r}; "
+            "swap or change them"
+        )
+    return least, most
+
+
+@njit(cache=True)
+def _rolling_distance(pose, goal, angle_weight, blur):  # pragma: no cover - compiled
+    distance = np.empty(len(pose))
+    for k in range(len(pose)):
+        dx, dy = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]
+        away = np.hypot(dx, dy)
+        between = abs(_wrapped(goal[k, 2] - pose[k, 2]))
+        turns = between
+        if away > 0.0:
+            way = np.arctan2(dy, dx)
+            into, out_of = _wrapped(way - pose[k, 2]), _wrapped(goal[k, 2] - way)
+            forwards = abs(into) + abs(out_of)
+            backwards = 2 * np.pi - forwards  # both turns the other way round by half a turn
+            share = away * away / (away * away + blur * blur)
+            turns = share * min(forwards, backwards) + (1 - share) * between
+        distance[k] = away + angle_weight * turns
+    return distance
+
+
+@njit(cache=True)
+def _wrapped(angle):  # pragma: no cover - compiled
+    return np.pi - (np.pi - angle) % (2 * np.pi)
