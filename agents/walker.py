@@ -27,10 +27,10 @@ class AvoidanceDrive:
     to an obstacle at an angle φ off the heading counts with cos²φ: what is passed by does not
     brake. Of several obstacles the one that brakes most counts.
 
-    The drive is the last agent. The force is held over a control step although it grows without bound as C falls. So it is
-    taken for the speed at the step's end (backward Euler), given the forces that the others
-    applied in the last step, which the drive's sensors show it: it cannot reverse the motion by
-    itself, and tends to the formula as the control step falls.
+    The drive is the last agent. Its force is held over a control step and grows without bound as
+    C falls, so it is taken for the speed at the step's end (backward Euler), given the forces
+    that the others applied in the last step, as its sensors show them: it cannot reverse the
+    motion by itself, and tends to the formula as the control step falls.
 
     Parameters
     ----------
