@@ -154,9 +154,9 @@ class WalkerController:
         state, conditions, gains = transition.next_state, transition.conditions, self.gains
         load, room = conditions.load, conditions.room
         radius = np.linalg.norm(load.outline, axis=2).max(axis=1) + gains.margin
-        stop, length = next_stops(state.pose, state.goal, room.boxes, room.count, room.size, radius)
+        stop, way = next_stops(state.pose, state.goal, room.boxes, room.count, room.size, radius)
         wanted = _wanted(
-            state.pose, state.goal, stop, length, gains.approach, gains.speed, gains.braking,
+            state.pose, state.goal, stop, way[:, 0], gains.approach, gains.speed, gains.braking,
             gains.heading, gains.arrival, gains.spin, gains.near,
         )  # fmt: skip
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])

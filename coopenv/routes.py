@@ -24,12 +24,13 @@ def next_stops(place, goal, boxes, count, size, radius):  # pragma: no cover - c
 
     Returns
     -------
-    ``(stop, length)``: ``(world, 2)`` the first corner of the way, or the goal where nothing is
-    between; and ``(world,)`` how long the way is [m], infinite where there is none (the stop is
-    then the goal).
+    ``(stop, way)``: ``(world, 2)`` the first corner of the way, or the goal where nothing is
+    between; and ``(world, 3)`` how long the way is [m], what its corners turn by together, and
+    the direction of its last leg [rad]. Where there is no way the length is infinite, and stop and
+    direction are those of the straight line.
     """
     num_worlds, capacity = boxes.shape[:2]
-    stops, lengths = np.empty((num_worlds, 2)), np.empty(num_worlds)
+    stops, ways = np.empty((num_worlds, 2)), np.empty((num_worlds, 3))
     nodes = np.empty((4 * capacity + 2, 2))
     slack = np.empty(capacity)
     for k in range(num_worlds):
@@ -40,9 +41,9 @@ def next_stops(place, goal, boxes, count, size, radius):  # pragma: no cover - c
             room = min(_outside(nodes[0], here[j]), _outside(nodes[1], here[j]))
             slack[j] = max(min(radius[k], room - 1e-9), 0.0)
         used = 2 + _corners(here, radius[k], size[k], nodes[2:])
-        lengths[k], first = _shortest(nodes[:used], here, slack)
+        first = _shortest(nodes[:used], here, slack, ways[k])
         stops[k] = nodes[first]
-    return stops, lengths
+    return stops, ways
 
 
 @njit(cache=True)
@@ -62,10 +63,10 @@ def _corners(boxes, radius, size, out):  # pragma: no cover - compiled
 
 
 @njit(cache=True)
-def _shortest(nodes, boxes, slack):  # pragma: no cover - compiled
-    """Length of the way from node 0 to node 1, and the node that comes first on it (Dijkstra)."""
+def _shortest(nodes, boxes, slack, way):  # pragma: no cover - compiled
+    """The node that comes first on the way from node 0 to node 1 (Dijkstra); fills ``way``."""
     count = len(nodes)
-    distance, first = np.full(count, np.inf), np.ones(count, dtype=np.int64)
+    distance, before = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
     done = np.zeros(count, dtype=np.bool_)
     distance[0] = 0.0
     for _ in range(count):
@@ -83,9 +84,21 @@ def _shortest(nodes, boxes, slack):  # pragma: no cover - compiled
             if distance[nearest] + leg < distance[i] and _is_open(
                 nodes[nearest], nodes[i], boxes, slack
             ):
-                distance[i] = distance[nearest] + leg
-                first[i] = i if nearest == 0 else first[nearest]
-    return distance[1], first[1] if distance[1] < np.inf else 1
+                distance[i], before[i] = distance[nearest] + leg, nearest
+    at, turned = 1, 0.0
+    last = later = _direction(nodes[before[1]], nodes[1])
+    while before[at] != 0:
+        at = before[at]
+        earlier = _direction(nodes[before[at]], nodes[at])
+        turned += abs(np.pi - (np.pi - (later - earlier)) % (2 * np.pi))
+        later = earlier
+    way[0], way[1], way[2] = distance[1], turned, last
+    return at
+
+
+@njit(cache=True)
+def _direction(start, end):  # pragma: no cover - compiled
+    return np.arctan2(end[1] - start[1], end[0] - start[0])
 
 
 @njit(cache=True)

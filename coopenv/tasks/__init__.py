@@ -1,6 +1,6 @@
 """What is to be carried where."""
 
-from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task
+from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task, WayTask
 from coopenv.tasks.rolling import RollingTask
 from coopenv.tasks.transport import TransportTask
 from coopenv.tasks.walker_avoid import WalkerAvoidTask
@@ -17,4 +17,5 @@ __all__ = [
     "TransportTask",
     "WalkerAvoidTask",
     "WalkerTurnTask",
+    "WayTask",
 ]

@@ -29,7 +29,9 @@ class RollingTask(TransportTask):
         goal's angle, w ``angle_weight`` and ρ₀ ``position_tolerance``: within it there is no way
         left to turn to.
         """
-        return _rolling_distance(pose, goal, self.angle_weight, self.position_tolerance)
+        return rolling_distance(
+            pose, goal, goal, _straight(pose, goal), self.angle_weight, self.position_tolerance
+        )
 
 
 def between(ends: Range, fraction: float) -> float:
@@ -54,22 +56,33 @@ def ordered(value: Any, name: str, *, unit: str, at_most: float = np.inf) -> Ran
 
 
 @njit(cache=True)
-def _rolling_distance(pose, goal, angle_weight, blur):  # pragma: no cover - compiled
+def rolling_distance(pose, goal, stop, way, angle_weight, blur):  # pragma: no cover - compiled
+    """See `RollingTask.distance`; along ways that `coopenv.routes.next_stops` tells of."""
     distance = np.empty(len(pose))
     for k in range(len(pose)):
-        dx, dy = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]
-        away = np.hypot(dx, dy)
+        straight = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
+        length = way[k, 0] if way[k, 0] < np.inf else straight
         between = abs(_wrapped(goal[k, 2] - pose[k, 2]))
         turns = between
-        if away > 0.0:
-            way = np.arctan2(dy, dx)
-            into, out_of = _wrapped(way - pose[k, 2]), _wrapped(goal[k, 2] - way)
-            forwards = abs(into) + abs(out_of)
-            backwards = 2 * np.pi - forwards  # both turns the other way round by half a turn
-            share = away * away / (away * away + blur * blur)
-            turns = share * min(forwards, backwards) + (1 - share) * between
-        distance[k] = away + angle_weight * turns
+        if straight > 0.0:
+            first = np.arctan2(stop[k, 1] - pose[k, 1], stop[k, 0] - pose[k, 0])
+            ends = abs(_wrapped(first - pose[k, 2])) + abs(_wrapped(goal[k, 2] - way[k, 2]))
+            share = length * length / (length * length + blur * blur)
+            # Backwards it turns by the other part of half a turn at both ends.
+            ends = min(ends, 2 * np.pi - ends)
+            turns = share * (ends + way[k, 1]) + (1 - share) * between
+        distance[k] = length + angle_weight * turns
     return distance
+
+
+@njit(cache=True)
+def _straight(pose, goal):  # pragma: no cover - compiled
+    """The way where nothing is in between, as `coopenv.routes.next_stops` tells it."""
+    way = np.zeros((len(pose), 3))
+    for k in range(len(pose)):
+        dx, dy = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]
+        way[k, 0], way[k, 2] = np.hypot(dx, dy), np.arctan2(dy, dx)
+    return way
 
 
 @njit(cache=True)

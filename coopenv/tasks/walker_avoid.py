@@ -13,7 +13,7 @@ from coopenv.errors import InvalidInput
 from coopenv.routes import next_stops
 from coopenv.scene import WALL_THICKNESS, Box, Scene
 from coopenv.tasks.base import Episode, Pose
-from coopenv.tasks.rolling import Range, RollingTask, between, ordered
+from coopenv.tasks.rolling import Range, RollingTask, between, ordered, rolling_distance
 from coopenv.tasks.transport import TransportTask
 
 _TRIES, _BLOCK = 4000, 100
@@ -62,6 +62,17 @@ class WalkerAvoidTask(RollingTask):
         for name in ("offset", "veer"):
             _set(self, name, positive(getattr(self, name), f"task.{name}", or_zero=True))
 
+    def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
+        """`RollingTask.distance` along the shortest way round the episode's obstacles.
+
+        The way is that of a disc about the body (`coopenv.routes`), the turns at its corners count
+        too. Obstacles that the scene has of its own are not in the plan, and not in the way.
+        """
+        boxes = plan[:, 3:].reshape(len(plan), self.obstacles, 5)
+        count = np.full(len(plan), self.obstacles)
+        stop, way = next_stops(pose, goal, boxes, count, plan[:, 1:3], plan[:, 0])
+        return rolling_distance(pose, goal, stop, way, self.angle_weight, self.position_tolerance)
+
     @property
     def max_obstacles(self) -> int:
         """The most that an episode brings."""
@@ -98,10 +109,13 @@ class WalkerAvoidTask(RollingTask):
             first += across[:, None] * np.stack([-line[:, 1], line[:, 0]], axis=-1)
             turned = angle[:, None] + self.veer * (2 * draws[:, 6:] - 1)
             for k in np.flatnonzero((np.abs(goal) <= free).all(axis=1)).tolist():
+                boxes = self._boxes(generator, first[k], scene)
+                rows = [n for box in boxes for n in (*box.center, *box.size, box.angle)]
                 episode = Episode(
                     start=_pose(place[k], turned[k, 0]),
                     goal=_pose(goal[k], turned[k, 1]),
-                    obstacles=self._boxes(generator, first[k], scene),
+                    obstacles=boxes,
+                    plan=(radius, *scene.size, *rows),  # for `way`
                 )
                 if self._has_way(episode, radius, body, scene):
                     return episode
@@ -139,10 +153,10 @@ class WalkerAvoidTask(RollingTask):
         if ways_to_boxes(outline, ends, room.boxes, room.count)[..., 0].min() < self.clearance:
             return False
         start, goal = ends[:1], ends[1:]
-        _, length = next_stops(
+        _, way = next_stops(
             start, goal, room.boxes, room.count, room.size, np.array([radius, radius])
         )
-        return bool(np.isfinite(length[0]))
+        return bool(np.isfinite(way[0, 0]))
 
 
 def _pose(place: FloatArray, angle: float) -> Pose:
