@@ -12,7 +12,7 @@ from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.observation import BLOCKS, Block
 from coopenv.scene import Box, Scene
-from coopenv.tasks import Episode, Task, TransportTask
+from coopenv.tasks import Episode, Task, TransportTask, WalkerAvoidTask, WalkerTurnTask
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
 
@@ -31,15 +31,23 @@ __all__ = [
     "Transport",
     "TransportConfig",
     "TransportTask",
+    "WalkerAvoidTask",
+    "WalkerTurnTask",
     "__version__",
     "beam_transport_v0",
     "rewards",
+    "walker_avoid_v0",
+    "walker_turn_v0",
     "wrench",
 ]
 
-from coopenv import beam_transport_v0
+from coopenv import beam_transport_v0, walker_avoid_v0, walker_turn_v0
 
-_MODULES = {"BeamTransport-v0": beam_transport_v0}
+_MODULES = {
+    "BeamTransport-v0": beam_transport_v0,
+    "WalkerAvoid-v0": walker_avoid_v0,
+    "WalkerTurn-v0": walker_turn_v0,
+}
 
 for _name, _module in _MODULES.items():
     gymnasium.register(

@@ -34,6 +34,9 @@ class Body:
         at the default torque weight.
     friction
         Coulomb coefficient of the outline; a contact takes the product with the wall's.
+    nonholonomic
+        Whether wheels at the centre of mass keep it from moving sideways: it rolls along its x
+        and turns. Forces across it then only turn it, by their lever.
 
     Raises
     ------
@@ -48,6 +51,7 @@ class Body:
     outline: Points = ((-1.0, -0.05), (1.0, -0.05), (1.0, 0.05), (-1.0, 0.05))  # [m]
     grips: Points = ((-0.9, 0.0), (0.9, 0.0))  # [m]
     friction: float = 0.3
+    nonholonomic: bool = False
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -60,6 +64,12 @@ class Body:
         second_moment = _second_moment(np.array(self.outline))  # [m²] per unit mass
         inertia = self.mass * second_moment if self.inertia is None else self.inertia
         _set(self, "inertia", positive(inertia, "body.inertia", unit="kg·m²"))
+        if not isinstance(self.nonholonomic, bool | np.bool_):
+            raise InvalidInput(
+                f"body.nonholonomic must be True or False, got {self.nonholonomic!r}; "
+                "True puts it on wheels"
+            )
+        _set(self, "nonholonomic", bool(self.nonholonomic))
 
     @classmethod
     def beam(cls, *, length: float = 2.0, width: float = 0.1, **values) -> Self:
@@ -72,6 +82,28 @@ class Body:
         outline = ((-half, -side), (half, -side), (half, side), (-half, side))
         grips = values.pop("grips", ((-0.9 * half, 0.0), (0.9 * half, 0.0)))
         return cls(outline=outline, grips=grips, **values)
+
+    @classmethod
+    def walker(cls, **values) -> Self:
+        """The paper's mobility-assistance walker: a square metre on wheels.
+
+        25 kg, 4.17 kg·m², drag 1 N·s/m and 100 N·m·s; agent 0, the human, holds it at its rear,
+        agent 1 is the drive at the centre of mass. ``values`` are other fields of `Body`.
+
+        Source: Donner, Endo & Buss 2018, section V-A.
+        """
+        return cls(
+            **{
+                "mass": 25.0,  # [kg]
+                "inertia": 4.17,  # [kg·m²]
+                "linear_drag": 1.0,  # [N·s/m]
+                "angular_drag": 100.0,  # [N·m·s]
+                "outline": ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)),  # [m]
+                "grips": ((-0.5, 0.0), (0.0, 0.0)),  # [m]
+                "nonholonomic": True,
+                **values,
+            }
+        )
 
     @property
     def num_agents(self) -> int:

@@ -7,13 +7,19 @@ exponential. The force is taken at three Gauss–Legendre nodes and the exponent
 between them: a force that does not turn is met exactly under any drag, and the error of one that
 turns is of order ω⁶ h⁶ (rounding at the step sizes used here). All that depends only on the body
 and the step is tabulated once.
+
+A body on wheels does not slip sideways: with u its speed along its own x, e(θ) that direction,
+
+    m u̇ = f_x − d u,    ṗ = u e(θ)
+
+u has a closed form too, and the path is the integral of u, met exactly, times e at the same nodes.
 """
 
 import numpy as np
 from numba import njit
 from numpy.polynomial.legendre import leggauss
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import BoolArray, FloatArray
 
 _NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
 _FINE, _FINE_WEIGHTS = (1 + leggauss(64)[0]) / 2, leggauss(64)[1] / 2  # integrates the table
@@ -23,8 +29,12 @@ DECAY, COAST, SPIN_DECAY, SPIN_COAST = 0, 1, 2, 3  # what is left of v, ω; path
 SPIN_GAIN, TURN_GAIN = 4, 5  # ω and θ gained a unit of torque
 NODE_COAST, NODE_TURN = 6, 9  # the angle at each node, a unit of ω and of torque
 NODE_SPEED, NODE_PATH = 12, 15  # velocity and path gained a unit of force, by node
-MASS, INERTIA = 18, 19
-NUM_COEFFICIENTS = 20
+MASS, INERTIA, WHEELS = 18, 19, 20
+NUM_COEFFICIENTS = 21
+# On wheels, in place of NODE_SPEED and NODE_PATH: path a unit of speed, and of force, by node.
+NODE_ROLL, NODE_PUSH = NODE_SPEED, NODE_PATH
+
+_LOCKED = 1e-6  # of a contact's mobility is left by the wheels: nothing gives way to it
 
 
 def coefficients(
@@ -33,8 +43,12 @@ def coefficients(
     linear_drag: FloatArray,
     angular_drag: FloatArray,
     step: float,
+    wheels: BoolArray | None = None,
 ) -> FloatArray:
-    """Tabulate the motion over one substep of ``step`` seconds, ``(world, NUM_COEFFICIENTS)``."""
+    """Tabulate the motion over one substep of ``step`` seconds, ``(world, NUM_COEFFICIENTS)``.
+
+    ``wheels`` ``(world,)`` marks the bodies that do not slip sideways.
+    """
     rate, spin_rate = linear_drag / mass, angular_drag / inertia  # [1/s]
     table = np.empty((len(mass), NUM_COEFFICIENTS))
     table[:, DECAY] = np.exp(-rate * step)
@@ -43,16 +57,21 @@ def coefficients(
     table[:, SPIN_COAST] = _coasted(spin_rate, step)
     table[:, SPIN_GAIN] = _coasted(spin_rate, step) / inertia
     table[:, TURN_GAIN] = _pushed(spin_rate, step) / inertia
-    left = step * (1 - _FINE)  # [s] of the substep after each fine point
-    speed_left = np.exp(-rate[:, None] * left)  # (world, fine point) what then is left of v
-    path_left = _coasted(rate[:, None], left)
+    table[:, WHEELS] = rolls = np.zeros(len(mass), dtype=np.bool_) if wheels is None else wheels
+    # A slipping body's force at a fine point acts over the rest of the substep, `left`; a rolling
+    # one's speed there is what decayed or grew over the part before it, `gone`.
+    left, gone = step * (1 - _FINE), step * _FINE  # [s]
+    time = np.where(rolls[:, None], gone, left)  # (world, fine point)
+    decayed = np.exp(-rate[:, None] * time)
+    coasted = _coasted(rate[:, None], time)
+    weight = np.where(rolls, 1.0, mass)
     for i, node in enumerate(_NODES):
         others = np.delete(_NODES, i)
         share = np.prod((_FINE[:, None] - others) / (node - others), axis=1)  # Lagrange polynomial
         table[:, NODE_COAST + i] = _coasted(spin_rate, node * step)
         table[:, NODE_TURN + i] = _pushed(spin_rate, node * step) / inertia
-        table[:, NODE_SPEED + i] = speed_left @ (share * _FINE_WEIGHTS) * step / mass
-        table[:, NODE_PATH + i] = path_left @ (share * _FINE_WEIGHTS) * step / mass
+        table[:, NODE_SPEED + i] = decayed @ (share * _FINE_WEIGHTS) * step / weight
+        table[:, NODE_PATH + i] = coasted @ (share * _FINE_WEIGHTS) * step / mass
     table[:, MASS], table[:, INERTIA] = mass, inertia
     return table
 
@@ -92,6 +111,45 @@ def advance(row, angle, vx, vy, spin, fx, fy, torque):  # pragma: no cover - com
 
 
 @njit(cache=True, nogil=True)
+def roll(row, angle, vx, vy, spin, fx, torque):  # pragma: no cover - compiled
+    """`advance` for a body on wheels; of its velocity only the part along its x counts."""
+    speed = np.cos(angle) * vx + np.sin(angle) * vy
+    dx, dy = 0.0, 0.0
+    for i in range(3):
+        at = angle + row[NODE_COAST + i] * spin + row[NODE_TURN + i] * torque
+        path = row[NODE_ROLL + i] * speed + row[NODE_PUSH + i] * fx
+        dx += path * np.cos(at)
+        dy += path * np.sin(at)
+    turn = row[SPIN_COAST] * spin + row[TURN_GAIN] * torque
+    speed = row[DECAY] * speed + row[COAST] / row[MASS] * fx
+    end, later = angle + turn, row[SPIN_DECAY] * spin + row[SPIN_GAIN] * torque
+    return dx, dy, turn, speed * np.cos(end), speed * np.sin(end), later
+
+
+@njit(cache=True, nogil=True)
+def yielded(row, along, dx, dy, spin):  # pragma: no cover - compiled
+    """How a body on wheels answers contacts that would change a free one's twist by the given.
+
+    The impulse P and angular impulse L that stop a free body's approach are too small for wheels,
+    which give way only to the part of P along the heading (``along``, of ``dx, dy``); scaled so
+    that together they take as much speed from the contact, they stop it again. No energy is
+    gained by it.
+
+    Returns
+    -------
+    The change of forward speed and of spin, and the factor by which the impulse is larger. Where
+    neither rolling nor turning gives way, nothing changes.
+    """
+    turning = row[INERTIA] * spin * spin
+    free = row[MASS] * (dx * dx + dy * dy) + turning
+    rolling = row[MASS] * along * along + turning
+    if rolling <= _LOCKED * free:
+        return 0.0, 0.0, 1.0
+    factor = free / rolling
+    return factor * along, factor * spin, factor
+
+
+@njit(cache=True, nogil=True)
 def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma: no cover - compiled
     """Fill pymunk's buffer so that its own integrator lands where `advance` does.
 
@@ -114,11 +172,16 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma:
         ``(world, 3)`` written: the twist at the end if nothing is touched.
     """
     for k in range(len(rows)):
-        row = table[k]
-        dx, dy, turn, vx, vy, spin = advance(
-            row, pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2],
-            wrench[k, 0], wrench[k, 1], wrench[k, 2],
-        )  # fmt: skip
+        row, angle = table[k], pose[k, 2]
+        if row[WHEELS]:
+            dx, dy, turn, vx, vy, spin = roll(
+                row, angle, twist[k, 0], twist[k, 1], twist[k, 2], wrench[k, 0], wrench[k, 2]
+            )
+        else:
+            dx, dy, turn, vx, vy, spin = advance(
+                row, angle, twist[k, 0], twist[k, 1], twist[k, 2],
+                wrench[k, 0], wrench[k, 1], wrench[k, 2],
+            )  # fmt: skip
         out = command[rows[k]]
         out[0], out[1], out[2] = dx / step, dy / step, turn / step
         out[3] = row[MASS] * (vx - out[0]) / step
@@ -135,6 +198,9 @@ def collect(
 
     The impulse of a substep is the least total of contact impulses that explains the change of
     momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
+    A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x.
+    (pymunk may still shift it sideways by as much as it had sunk into what it touches.)
+
     Returns a world whose body is beyond ``bounds`` ``(world, 2)`` [m], or −1.
     """
     lost = -1
@@ -144,10 +210,21 @@ def collect(
         dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
         speed = np.sqrt(dx * dx + dy * dy)
         rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
-        if speed > rounding or abs(spin) > rounding:
-            push = table[k, MASS] * speed
-            impulse[k] += max(push, table[k, INERTIA] * abs(spin) / reach[k])
+        c, s, rolling = 1.0, 0.0, 0.0
+        if table[k, WHEELS]:  # where it heads is not as foreseen while pymunk parts what overlaps
+            c, s = np.cos(at[2]), np.sin(at[2])
+            rolling = c * expected[k, 0] + s * expected[k, 1]
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
+        if speed > rounding or abs(spin) > rounding:
+            push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / reach[k])
+            if table[k, WHEELS]:
+                along, spin, factor = yielded(table[k], c * dx + s * dy, dx, dy, spin)
+                push *= factor
+                rolling += along
+                twist[k, 2] = expected[k, 2] + spin
+            impulse[k] += push
+        if table[k, WHEELS]:
+            twist[k, 0], twist[k, 1] = rolling * c, rolling * s
         if abs(pose[k, 0]) > bounds[k, 0] or abs(pose[k, 1]) > bounds[k, 1]:
             lost = k
     return lost

@@ -249,6 +249,7 @@ def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
         np.array([body.linear_drag for body in bodies]),
         np.array([body.angular_drag for body in bodies]),
         substep,
+        np.array([body.nonholonomic for body in bodies]),
     )
 
 

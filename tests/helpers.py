@@ -14,6 +14,8 @@ from coopenv.wrench import METHODS, Settings
 
 PARALLEL: dict[str, ModuleType] = {  # every registered id and its PettingZoo module
     "coopenv/BeamTransport-v0": coopenv.beam_transport_v0,
+    "coopenv/WalkerAvoid-v0": coopenv.walker_avoid_v0,
+    "coopenv/WalkerTurn-v0": coopenv.walker_turn_v0,
 }
 IDS = list(PARALLEL)
 

@@ -1,7 +1,10 @@
 """What is to be carried where."""
 
-from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task
+from coopenv.tasks.base import Episode, FurnishedTask, GuidedTask, MovingTask, Pose, Task, WayTask
+from coopenv.tasks.rolling import RollingTask
 from coopenv.tasks.transport import TransportTask
+from coopenv.tasks.walker_avoid import WalkerAvoidTask
+from coopenv.tasks.walker_turn import WalkerTurnTask
 
 __all__ = [
     "Episode",
@@ -9,6 +12,10 @@ __all__ = [
     "GuidedTask",
     "MovingTask",
     "Pose",
+    "RollingTask",
     "Task",
     "TransportTask",
+    "WalkerAvoidTask",
+    "WalkerTurnTask",
+    "WayTask",
 ]

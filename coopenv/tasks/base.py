@@ -26,7 +26,7 @@ class Episode:
 class Task(Protocol):
     """Start, goal and success. Stateless: the same object serves every world.
 
-    Besides, a task may be a `FurnishedTask`, a `MovingTask`, a `GuidedTask`.
+    Besides, a task may be a `FurnishedTask`, a `WayTask`, a `MovingTask`, a `GuidedTask`.
     """
 
     def check(self, body: Body, scene: Scene) -> None:
@@ -77,4 +77,17 @@ class GuidedTask(Protocol):
 
     def told(self, num_agents: int) -> BoolArray:
         """``(agent, 2)``: who is told the goal's place, and its angle."""
+        ...
+
+
+@runtime_checkable
+class WayTask(Protocol):
+    """A task whose episodes have a layout that the way to the goal leads through."""
+
+    def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
+        """How far each world is from its goal, ``(world,)`` [m], under its plan.
+
+        Instead of ``distance`` wherever there is a plan: ``plan`` is ``(world, number)``. Zero only
+        at the goal pose, and without steps, so that `coopenv.rewards.Progress` leads along it.
+        """
         ...

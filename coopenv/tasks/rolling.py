@@ -1,0 +1,90 @@
+"""What the tasks of a body on wheels share: a distance that knows how it moves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numba import njit
+
+from coopenv.arrays import FloatArray, positive
+from coopenv.errors import InvalidInput
+from coopenv.tasks.transport import TransportTask
+
+Range: TypeAlias = tuple[float, float]  # least, most
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollingTask(TransportTask):
+    """`TransportTask` for a body that cannot move sideways; its distance knows that.
+
+    The way to the goal counts as a turn towards it, a straight drive (forwards or backwards,
+    whichever is cheaper) and a turn into the goal's angle.
+    """
+
+    def distance(self, pose: FloatArray, goal: FloatArray) -> FloatArray:
+        """ρ + w (s(|α| + |β|) + (1 − s)|Δθ|) [m], s = ρ² / (ρ² + ρ₀²).
+
+        ρ is the distance, α the turn from the heading to the way, β the turn from the way to the
+        goal's angle, w ``angle_weight`` and ρ₀ ``position_tolerance``: within it there is no way
+        left to turn to.
+        """
+        return rolling_distance(
+            pose, goal, goal, _straight(pose, goal), self.angle_weight, self.position_tolerance
+        )
+
+
+def between(ends: Range, fraction: float) -> float:
+    """The value at ``fraction`` of the way from the least to the most."""
+    return float(ends[0] + fraction * (ends[1] - ends[0]))
+
+
+def ordered(value: Any, name: str, *, unit: str, at_most: float = np.inf) -> Range:
+    """Read a range (least, most) of numbers that are not negative, or raise `InvalidInput`."""
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise InvalidInput(
+            f"{name} must be two numbers (least, most), got {value!r}; give them in {unit}"
+        )
+    least = positive(value[0], name, unit=unit, or_zero=True)
+    most = positive(value[1], name, unit=unit)
+    if not least <= most <= at_most:
+        raise InvalidInput(
+            f"{name} must be (least, most) in order and at most {at_most:.4g}, got {value!r}; "
+            "swap or change them"
+        )
+    return least, most
+
+
+@njit(cache=True)
+def rolling_distance(pose, goal, stop, way, angle_weight, blur):  # pragma: no cover - compiled
+    """See `RollingTask.distance`; along ways that `coopenv.routes.next_stops` tells of."""
+    distance = np.empty(len(pose))
+    for k in range(len(pose)):
+        straight = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
+        length = way[k, 0] if way[k, 0] < np.inf else straight
+        between = abs(_wrapped(goal[k, 2] - pose[k, 2]))
+        turns = between
+        if straight > 0.0:
+            first = np.arctan2(stop[k, 1] - pose[k, 1], stop[k, 0] - pose[k, 0])
+            ends = abs(_wrapped(first - pose[k, 2])) + abs(_wrapped(goal[k, 2] - way[k, 2]))
+            share = length * length / (length * length + blur * blur)
+            # Backwards it turns by the other part of half a turn at both ends.
+            ends = min(ends, 2 * np.pi - ends)
+            turns = share * (ends + way[k, 1]) + (1 - share) * between
+        distance[k] = length + angle_weight * turns
+    return distance
+
+
+@njit(cache=True)
+def _straight(pose, goal):  # pragma: no cover - compiled
+    """The way where nothing is in between, as `coopenv.routes.next_stops` tells it."""
+    way = np.zeros((len(pose), 3))
+    for k in range(len(pose)):
+        dx, dy = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]
+        way[k, 0], way[k, 2] = np.hypot(dx, dy), np.arctan2(dy, dx)
+    return way
+
+
+@njit(cache=True)
+def _wrapped(angle):  # pragma: no cover - compiled
+    return np.pi - (np.pi - angle) % (2 * np.pi)

@@ -1,0 +1,164 @@
+"""Drive a body on wheels past an obstacle to a pose behind it."""
+
+from dataclasses import dataclass
+from math import hypot, pi
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, positive, whole
+from coopenv.body import Body
+from coopenv.clearance import ways_to_boxes, ways_to_walls
+from coopenv.conditions import Room
+from coopenv.errors import InvalidInput
+from coopenv.routes import next_stops
+from coopenv.scene import WALL_THICKNESS, Box, Scene
+from coopenv.tasks.base import Episode, Pose
+from coopenv.tasks.rolling import Range, RollingTask, between, ordered, rolling_distance
+from coopenv.tasks.transport import TransportTask
+
+_TRIES, _BLOCK = 4000, 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WalkerAvoidTask(RollingTask):
+    """Reach a pose behind an obstacle that stands in the way, drawn anew every episode.
+
+    Round all obstacles there is a way on which the body can turn freely.
+
+    Parameters
+    ----------
+    obstacles
+        How many; the first stands between start and goal, others anywhere.
+    obstacle_size
+        Smallest and largest side of an obstacle [m].
+    approach, beyond
+        Range of the distance from the start to the first obstacle's centre, and from there to the
+        goal [m].
+    offset
+        By how much, at most, that obstacle stands beside the line from start to goal [m].
+    veer
+        By how much, at most, the heading at start and goal differs from that line [rad].
+
+    Raises
+    ------
+    InvalidInput
+        If a range is not two numbers in order, or another value breaks its rule.
+    """
+
+    obstacles: int = 1
+    obstacle_size: Range = (0.3, 0.7)  # [m]
+    approach: Range = (1.6, 2.4)  # [m]
+    beyond: Range = (1.6, 2.4)  # [m]
+    offset: float = 0.3  # [m]
+    veer: float = 0.4  # [rad]
+
+    def __post_init__(self) -> None:
+        TransportTask.__post_init__(self)
+        _set = object.__setattr__
+        _set(self, "obstacles", whole(self.obstacles, "task.obstacles", at_least=1))
+        for name in ("obstacle_size", "approach", "beyond"):
+            _set(self, name, ordered(getattr(self, name), f"task.{name}", unit="metres"))
+        positive(self.obstacle_size[0], "task.obstacle_size", unit="metres")
+        for name in ("offset", "veer"):
+            _set(self, name, positive(getattr(self, name), f"task.{name}", or_zero=True))
+
+    def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
+        """`RollingTask.distance` along the shortest way round the episode's obstacles.
+
+        The way is that of a disc about the body (`coopenv.routes`), the turns at its corners count
+        too. Obstacles that the scene has of its own are not in the plan, and not in the way.
+        """
+        boxes = plan[:, 3:].reshape(len(plan), self.obstacles, 5)
+        count = np.full(len(plan), self.obstacles)
+        stop, way = next_stops(pose, goal, boxes, count, plan[:, 1:3], plan[:, 0])
+        return rolling_distance(pose, goal, stop, way, self.angle_weight, self.position_tolerance)
+
+    @property
+    def max_obstacles(self) -> int:
+        """The most that an episode brings."""
+        return self.obstacles
+
+    def check(self, body: Body, scene: Scene) -> None:
+        """Raise `InvalidInput` unless start and goal clear the obstacle, and a way round exists."""
+        TransportTask.check(self, body, scene)
+        needed = body.reach + self.clearance + hypot(*[self.obstacle_size[1]] * 2) / 2  # [m]
+        for name in ("approach", "beyond"):
+            given = getattr(self, name)
+            if given[0] < needed:
+                raise InvalidInput(
+                    f"task.{name} must be at least {needed:.2f} m, got {given}; keep the obstacle "
+                    "off start and goal, or shrink task.obstacle_size"
+                )
+        self.sample(np.random.default_rng(0), body, scene)
+
+    def sample(
+        self, generator: np.random.Generator, body: Body, scene: Scene
+    ) -> tuple[Pose, Pose] | Episode:
+        """A start, an obstacle in front of it and a goal behind that."""
+        radius = body.reach + self.clearance
+        free = np.array(scene.size) / 2 - radius
+        for _ in range(_TRIES // _BLOCK):
+            draws = generator.random((_BLOCK, 8))
+            place, angle = free * (2 * draws[:, :2] - 1), pi * (1 - 2 * draws[:, 2])
+            line = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+            approach = self.approach[0] + np.ptp(self.approach) * draws[:, 3]
+            beyond = self.beyond[0] + np.ptp(self.beyond) * draws[:, 4]
+            goal = place + (approach + beyond)[:, None] * line
+            across = self.offset * (2 * draws[:, 5] - 1)
+            first = place + approach[:, None] * line
+            first += across[:, None] * np.stack([-line[:, 1], line[:, 0]], axis=-1)
+            turned = angle[:, None] + self.veer * (2 * draws[:, 6:] - 1)
+            for k in np.flatnonzero((np.abs(goal) <= free).all(axis=1)).tolist():
+                boxes = self._boxes(generator, first[k], scene)
+                rows = [n for box in boxes for n in (*box.center, *box.size, box.angle)]
+                episode = Episode(
+                    start=_pose(place[k], turned[k, 0]),
+                    goal=_pose(goal[k], turned[k, 1]),
+                    obstacles=boxes,
+                    plan=(radius, *scene.size, *rows),  # for `way`
+                )
+                if self._has_way(episode, radius, body, scene):
+                    return episode
+        raise InvalidInput(
+            f"scene.size must leave a way round task.obstacles, got a room of {scene.size} m for "
+            f"{self.obstacles} beside {len(scene.obstacles)} of its own; enlarge it or draw fewer"
+        )
+
+    def _boxes(
+        self, generator: np.random.Generator, first: FloatArray, scene: Scene
+    ) -> tuple[Box, ...]:
+        others = np.array(scene.size) * (generator.random((self.obstacles - 1, 2)) - 0.5)
+        draws = generator.random((self.obstacles, 3)).tolist()
+        return tuple(
+            Box(
+                center=(x, y),
+                size=(between(self.obstacle_size, a), between(self.obstacle_size, b)),
+                angle=pi * turn,
+            )
+            for (x, y), (a, b, turn) in zip([first.tolist(), *others.tolist()], draws, strict=True)
+        )
+
+    def _has_way(self, episode: Episode, radius: float, body: Body, scene: Scene) -> bool:
+        """Whether both ends have room, and a way for a disc leads from one to the other."""
+        far = np.array(scene.size) / 2 + WALL_THICKNESS
+        if any((np.abs(box.vertices) > far).any() for box in episode.obstacles):
+            return False
+        room = Room.of(
+            [Scene(size=scene.size, obstacles=(*scene.obstacles, *episode.obstacles))] * 2,
+            len(scene.obstacles) + len(episode.obstacles),
+        )
+        ends, outline = np.array([episode.start, episode.goal]), np.array([body.outline] * 2)
+        if ways_to_walls(outline, ends, room.size).min() < self.clearance:
+            return False
+        if ways_to_boxes(outline, ends, room.boxes, room.count)[..., 0].min() < self.clearance:
+            return False
+        start, goal = ends[:1], ends[1:]
+        _, way = next_stops(
+            start, goal, room.boxes, room.count, room.size, np.array([radius, radius])
+        )
+        return bool(np.isfinite(way[0, 0]))
+
+
+def _pose(place: FloatArray, angle: float) -> Pose:
+    x, y = place.tolist()
+    return x, y, float(pi - (pi - angle) % (2 * pi))
