@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray
@@ -126,6 +127,7 @@ class Conditions:
     task: Any  # the `coopenv.Task`
     plan: FloatArray  # (world, number): what the task drew for itself; see `coopenv.tasks.Episode`
     told: BoolArray  # (world, agent, 2): who is told the goal's place, and its angle
+    key: npt.NDArray[np.uint64]  # (world,): what errors of sensors are drawn with; see `Sensor`
 
     def take(self, worlds: IntArray) -> "Conditions":
         """Only the given worlds."""
@@ -138,7 +140,12 @@ class Conditions:
             room=_rows(self.room, worlds),
             plan=self.plan[worlds],
             told=self.told[worlds],
+            key=self.key[worlds],
         )
+
+    def with_keys(self, worlds: IntArray, keys: npt.NDArray[np.uint64]) -> "Conditions":
+        """A copy in which ``worlds`` have other keys."""
+        return replace(self, key=_replaced(self.key, worlds, keys))
 
     def with_worlds(
         self,
