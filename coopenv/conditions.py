@@ -99,6 +99,7 @@ class Room:
 
     size: FloatArray  # (world, 2) [m], inner width and height, centred on the origin
     boxes: FloatArray  # (world, box, 5): centre x, y, width, height [m], angle [rad]
+    axes: FloatArray  # (world, box, 2): cosine and sine of the boxes' angles
     count: IntArray  # (world,): boxes there are; the rows after them are zero
 
     @classmethod
@@ -111,6 +112,7 @@ class Room:
         return cls(
             size=np.array([scene.size for scene in scenes]),
             boxes=boxes,
+            axes=np.stack([np.cos(boxes[..., 4]), np.sin(boxes[..., 4])], axis=-1),
             count=np.array([len(scene.obstacles) for scene in scenes]),
         )
 

@@ -15,7 +15,7 @@ from coopenv.wrench.kernels import COMPILED
 PLACES = ("grip", "centre")
 OWNERS = ("own", "partners")
 NEAREST = 3  # features after the rays: the way to the nearest point, and its length
-_LEVEL = 1e-300  # a ray this much along a face never reaches it
+_LEVEL = 1e-300  # in place of a smaller component of a ray, so that it divides
 
 
 def ranges(
@@ -108,9 +108,9 @@ class RangeReading:
                 raise UnknownName(name, getattr(self, name), known)
 
     @property
-    def directions(self) -> FloatArray:
-        """``(ray, 2)``: unit vectors in the agent's frame."""
-        return _directions(self.num_rays, self.field_of_view, self.heading)
+    def rays(self) -> FloatArray:
+        """``(2, ray)``: x and y of unit vectors in the agent's frame."""
+        return _rays(self.num_rays, self.field_of_view, self.heading)
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Readings ``(world, agent, feature)`` after ``transition``."""
@@ -122,24 +122,25 @@ class RangeReading:
             team.frame,
             room.size,
             room.boxes,
+            room.axes,
             room.count,
-            self.directions,
+            self.rays,
             self.reach,
         )
         return seen if self.whose == "own" else _of_the_others(seen)
 
 
 @lru_cache(maxsize=64)
-def _directions(num_rays: int, field_of_view: float, heading: float) -> FloatArray:
+def _rays(num_rays: int, field_of_view: float, heading: float) -> FloatArray:
     if field_of_view == 2 * np.pi:  # the last ray would fall on the first
         angles = heading + field_of_view * np.arange(num_rays) / num_rays
     elif num_rays == 1:
         angles = np.array([heading])
     else:
         angles = heading + np.linspace(-field_of_view / 2, field_of_view / 2, num_rays)
-    directions = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    directions.flags.writeable = False
-    return directions
+    rays = np.stack([np.cos(angles), np.sin(angles)])
+    rays.flags.writeable = False  # every reading shares it
+    return rays
 
 
 def _of_the_others(seen: FloatArray) -> FloatArray:
@@ -151,42 +152,82 @@ def _of_the_others(seen: FloatArray) -> FloatArray:
     )
 
 
-@njit(**COMPILED)
-def _to_box(px, py, dx, dy, half_x, half_y):  # pragma: no cover - compiled
-    """Way along a ray to a box about the origin (slabs); 0 from inside, infinite if missed."""
-    enter, leave = 0.0, np.inf
-    for p, d, half in ((px, dx, half_x), (py, dy, half_y)):
-        if abs(d) <= _LEVEL:
-            if abs(p) > half:
-                return np.inf
-        else:
-            one, other = (-half - p) / d, (half - p) / d
-            enter, leave = max(enter, min(one, other)), min(leave, max(one, other))
-    return enter if enter <= leave else np.inf
+# The loops over rays hold no branch and no call that LLVM would not turn into vector instructions.
 
 
 @njit(**COMPILED)
-def _to_walls(px, py, dx, dy, half_x, half_y):  # pragma: no cover - compiled
-    """Way along a ray from inside a rectangle about the origin to its edge."""
-    way = np.inf
-    for p, d, half in ((px, dx, half_x), (py, dy, half_y)):
-        if abs(d) > _LEVEL:
-            way = min(way, ((half if d > 0.0 else -half) - p) / d)
-    return way
+def _to_walls(px, py, half, c, s, rays, reach, out):  # pragma: no cover - compiled
+    """Ways from inside a rectangle about the origin to its edge, at most ``reach``."""
+    for j in range(rays.shape[1]):
+        dx, dy = c * rays[0, j] - s * rays[1, j], s * rays[0, j] + c * rays[1, j]
+        dx = dx if abs(dx) > _LEVEL else _LEVEL
+        dy = dy if abs(dy) > _LEVEL else _LEVEL
+        to_x = ((half[0] if dx > 0.0 else -half[0]) - px) / dx
+        to_y = ((half[1] if dy > 0.0 else -half[1]) - py) / dy
+        way = to_x if to_x < to_y else to_y
+        out[j] = way if way < reach else reach
 
 
 @njit(**COMPILED)
-def _nearest_wall(px, py, half_x, half_y):  # pragma: no cover - compiled
+def _to_box(px, py, half_x, half_y, c, s, rays, out):  # pragma: no cover - compiled
+    """Shorten ``out`` to the ways to a box about the origin, from outside of it (slabs)."""
+    for j in range(rays.shape[1]):
+        dx, dy = c * rays[0, j] - s * rays[1, j], s * rays[0, j] + c * rays[1, j]
+        per_x = 1.0 / (dx if abs(dx) > _LEVEL else _LEVEL)
+        per_y = 1.0 / (dy if abs(dy) > _LEVEL else _LEVEL)
+        left, right = (-half_x - px) * per_x, (half_x - px) * per_x
+        low, high = (-half_y - py) * per_y, (half_y - py) * per_y
+        in_x, out_x = (left, right) if left < right else (right, left)
+        in_y, out_y = (low, high) if low < high else (high, low)
+        enter = in_x if in_x > in_y else in_y
+        leave = out_x if out_x < out_y else out_y
+        hit = (enter <= leave) & (enter >= 0.0) & (enter < out[j])
+        out[j] = enter if hit else out[j]
+
+
+@njit(**COMPILED)
+def _nearest_wall(px, py, half):  # pragma: no cover - compiled
     """Vector from a point in the room to the nearest point of a wall, and its length."""
-    left_x, left_y = half_x - abs(px), half_y - abs(py)
+    left_x, left_y = half[0] - abs(px), half[1] - abs(py)
     if left_x <= left_y:
         return np.copysign(left_x, px), 0.0, left_x
     return 0.0, np.copysign(left_y, py), left_y
 
 
 @njit(**COMPILED)
+def _read_one(x, y, c, s, half, boxes, axes, rays, reach, out):  # pragma: no cover - compiled
+    """Readings from a point in the room, in a frame whose x is along (c, s)."""
+    num_rays = rays.shape[1]
+    to_x, to_y, nearest = _nearest_wall(x, y, half)
+    if nearest > 0.0:
+        _to_walls(x, y, half, c, s, rays, reach, out)
+    for b in range(len(boxes)):
+        if nearest <= 0.0:
+            break
+        cb, sb = axes[b, 0], axes[b, 1]
+        ox, oy = x - boxes[b, 0], y - boxes[b, 1]
+        px, py = cb * ox + sb * oy, cb * oy - sb * ox
+        half_x, half_y = 0.5 * boxes[b, 2], 0.5 * boxes[b, 3]
+        qx = min(max(px, -half_x), half_x) - px
+        qy = min(max(py, -half_y), half_y) - py
+        away = np.sqrt(qx * qx + qy * qy)
+        if away < nearest:
+            to_x, to_y, nearest = cb * qx - sb * qy, sb * qx + cb * qy, away
+        if 0.0 < away < reach:  # the frame seen from the box's
+            _to_box(px, py, half_x, half_y, c * cb + s * sb, s * cb - c * sb, rays, out)
+    if nearest <= 0.0:
+        out[:] = 0.0
+        return
+    shrink = min(reach / nearest, 1.0)
+    along, across = (c * to_x + s * to_y) * shrink, (c * to_y - s * to_x) * shrink
+    out[num_rays] = min(max(along, -reach), reach)
+    out[num_rays + 1] = min(max(across, -reach), reach)
+    out[num_rays + 2] = min(nearest, reach)
+
+
+@njit(**COMPILED)
 def read_ranges(
-    pose, grips, frame, size, boxes, count, directions, reach
+    pose, grips, frame, size, boxes, axes, count, rays, reach
 ):  # pragma: no cover - compiled
     """Ways along rays to walls and obstacles, and the nearest point of one.
 
@@ -196,10 +237,11 @@ def read_ranges(
         ``(world, 3)``, world frame.
     grips, frame
         ``(world, agent, 2)``: where the rays start, object frame [m]; see `coopenv.frames`.
-    size, boxes, count
-        ``(world, 2)``, ``(world, box, 5)``, ``(world,)``: see `coopenv.conditions.Room`.
-    directions
-        ``(ray, 2)``, unit vectors in the agent's frame.
+    size, boxes, axes, count
+        ``(world, 2)``, ``(world, box, 5)``, ``(world, box, 2)``, ``(world,)``: see
+        `coopenv.conditions.Room`.
+    rays
+        ``(2, ray)``: x and y of unit vectors in the agent's frame.
     reach
         Beyond it nothing is seen [m].
 
@@ -210,48 +252,16 @@ def read_ranges(
     All are 0 from inside something solid. What is carried, and who carries it, hides nothing.
     """
     num_worlds, num_agents = frame.shape[:2]
-    num_rays = len(directions)
-    seen = np.empty((num_worlds, num_agents, num_rays + 3))
+    seen = np.empty((num_worlds, num_agents, rays.shape[1] + NEAREST))
     for k in range(num_worlds):
-        half_x, half_y = 0.5 * size[k, 0], 0.5 * size[k, 1]
+        half = (0.5 * size[k, 0], 0.5 * size[k, 1])
+        here, turned = boxes[k, : count[k]], axes[k, : count[k]]
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         for i in range(num_agents):
-            out = seen[k, i]
             gx, gy = grips[k, i, 0], grips[k, i, 1]
             x = pose[k, 0] + cos_object * gx - sin_object * gy
             y = pose[k, 1] + sin_object * gx + cos_object * gy
             c = cos_object * frame[k, i, 0] - sin_object * frame[k, i, 1]
             s = sin_object * frame[k, i, 0] + cos_object * frame[k, i, 1]
-            to_x, to_y, nearest = _nearest_wall(x, y, half_x, half_y)
-            if nearest > 0.0:
-                for j in range(num_rays):
-                    u, v = directions[j]
-                    dx, dy = c * u - s * v, s * u + c * v
-                    out[j] = min(_to_walls(x, y, dx, dy, half_x, half_y), reach)
-            for b in range(count[k]):
-                if nearest <= 0.0:
-                    break
-                angle, box_x, box_y = boxes[k, b, 4], 0.5 * boxes[k, b, 2], 0.5 * boxes[k, b, 3]
-                cb, sb = np.cos(angle), np.sin(angle)
-                ox, oy = x - boxes[k, b, 0], y - boxes[k, b, 1]
-                px, py = cb * ox + sb * oy, cb * oy - sb * ox
-                qx = min(max(px, -box_x), box_x) - px
-                qy = min(max(py, -box_y), box_y) - py
-                away = np.sqrt(qx * qx + qy * qy)
-                if away < nearest:
-                    to_x, to_y, nearest = cb * qx - sb * qy, sb * qx + cb * qy, away
-                if 0.0 < away < reach:
-                    cr, sr = c * cb + s * sb, s * cb - c * sb  # the agent's frame in the box's
-                    for j in range(num_rays):
-                        u, v = directions[j]
-                        dx, dy = cr * u - sr * v, sr * u + cr * v
-                        out[j] = min(out[j], _to_box(px, py, dx, dy, box_x, box_y))
-            if nearest <= 0.0:
-                out[:] = 0.0
-                continue
-            shrink = min(reach / nearest, 1.0)
-            across, along = (c * to_x + s * to_y) * shrink, (c * to_y - s * to_x) * shrink
-            out[num_rays] = min(max(across, -reach), reach)
-            out[num_rays + 1] = min(max(along, -reach), reach)
-            out[num_rays + 2] = min(nearest, reach)
+            _read_one(x, y, c, s, half, here, turned, rays, reach, seen[k, i])
     return seen

@@ -24,7 +24,7 @@ from coopenv.wrench.kernels import COMPILED
 _LARGEST = float(np.finfo(np.float32).max)
 _WEYL = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1, _MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
-_S30, _S27, _S31, _S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
+_S30, _S27, _S31, _S12 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(12)
 _EPISODE = np.uint64(2**64 - 1)  # in place of a step: what holds for a whole episode
 
 
@@ -108,6 +108,7 @@ class Instruments:
         self._bounds = np.clip(bounds, -_LARGEST, _LARGEST)
         self._told = block.spread(block.told or -1, num_agents, "told").astype(np.int64)
         self._is_random, width = sensor.is_random, block.width(num_agents)
+        self._offset = np.zeros((num_worlds, num_agents, width))
         self._kept = np.zeros((sensor.delay + 1, num_worlds, num_agents, width), np.float32)
 
     def __call__(
@@ -120,7 +121,17 @@ class Instruments:
         conditions = transition.conditions
         steps = np.rint(transition.next_state.time / transition.dt).astype(np.int64)
         if self._is_random and self._noise.size:
-            _err(seen, steps, conditions.key, self._stream, self._noise, self._bias, self._bounds)
+            _err(
+                seen,
+                steps,
+                worlds,
+                conditions.key,
+                self._stream,
+                self._noise,
+                self._bias,
+                self._bounds,
+                self._offset,
+            )
             _hide(seen, conditions.told, self._told)
         if len(self._kept) > 1:
             _delay(seen, steps, worlds, self._kept)
@@ -141,37 +152,49 @@ def _below(x, number):  # pragma: no cover - compiled
 
 
 @njit(**COMPILED)
-def _normals(x, pair):  # pragma: no cover - compiled
-    """Two independent standard normal numbers (Box & Muller 1958)."""
-    first = _below(x, np.uint64(2) * np.uint64(pair)) >> _S11
-    second = _below(x, np.uint64(2) * np.uint64(pair) + np.uint64(1)) >> _S11
-    unit = 1.0 / 9007199254740992.0  # 2⁻⁵³
-    radius = np.sqrt(-2.0 * np.log((np.float64(first) + 1.0) * unit))
-    angle = 2.0 * np.pi * unit * np.float64(second)
-    return radius * np.cos(angle), radius * np.sin(angle)
+def normal(x):  # pragma: no cover - compiled
+    """The standard normal number of a key: the quantile of its uniform one, to 1e-7.
+
+    Source: Wichura 1988, Algorithm AS 241, PPND7.
+    """
+    uniform = (np.float64(x >> _S12) + 0.5) * 2.0**-52  # exact, never 0 or 1
+    q = uniform - 0.5
+    if abs(q) <= 0.425:
+        r = 0.180625 - q * q
+        top = ((59.10937472 * r + 159.29113202) * r + 50.434271938) * r + 3.3871327179
+        return q * top / (((67.18756360 * r + 78.757757664) * r + 17.895169469) * r + 1.0)
+    r = np.sqrt(-np.log(min(uniform, 1.0 - uniform)))
+    if r <= 5.0:
+        r -= 1.6
+        top = ((0.17023821103 * r + 1.3067284816) * r + 2.7568153900) * r + 1.4234372777
+        size = top / ((0.12021132975 * r + 0.73700164250) * r + 1.0)
+    else:
+        r -= 5.0
+        top = ((0.017337203997 * r + 0.42868294337) * r + 3.0812263860) * r + 6.6579051150
+        size = top / ((0.012258202635 * r + 0.24197894225) * r + 1.0)
+    return np.copysign(size, q)
 
 
 @njit(**COMPILED)
-def _err(seen, steps, key, stream, noise, bias, bounds):  # pragma: no cover - compiled
-    """Add noise and bias, and clip to the bounds; in place."""
+def _err(
+    seen, steps, worlds, key, stream, noise, bias, bounds, offset
+):  # pragma: no cover - compiled
+    """Add noise and bias, and clip to the bounds; in place. Starts draw the bias ``offset``."""
     num_rows, num_agents, num_features = seen.shape
-    any_noise, any_bias = noise.max() > 0.0, bias.max() > 0.0
     for k in range(num_rows):
-        of_block = _below(key[k], stream)
+        of_block, mine = _below(key[k], stream), offset[worlds[k]]
         for i in range(num_agents):
             of_agent = _below(of_block, i)
-            of_step, of_episode = _below(of_agent, steps[k]), _below(of_agent, _EPISODE)
-            for first in range(0, num_features, 2):
-                error = (0.0, 0.0)
-                drift = (0.0, 0.0)
-                if any_noise:
-                    error = _normals(of_step, first // 2)
-                if any_bias:
-                    drift = _normals(of_episode, first // 2)
-                for j in range(first, min(first + 2, num_features)):
-                    own, steady = (error[0], drift[0]) if j == first else (error[1], drift[1])
-                    value = seen[k, i, j] + bias[j] * steady + noise[j] * own
-                    seen[k, i, j] = min(max(value, bounds[0, j]), bounds[1, j])
+            if steps[k] == 0:
+                of_episode = _below(of_agent, _EPISODE)
+                for j in range(num_features):
+                    mine[i, j] = bias[j] * normal(_below(of_episode, j)) if bias[j] > 0.0 else 0.0
+            of_step = _below(of_agent, steps[k])
+            for j in range(num_features):
+                value = seen[k, i, j] + mine[i, j]
+                if noise[j] > 0.0:
+                    value += noise[j] * normal(_below(of_step, j))
+                seen[k, i, j] = min(max(value, bounds[0, j]), bounds[1, j])
 
 
 @njit(**COMPILED)

@@ -153,8 +153,8 @@ def test_a_ray_along_the_face_of_a_box_and_a_gap_between_two():
 )
 def test_rays_are_spread_over_the_field_of_view(keywords, angles):
     read = ranges(**keywords).read
-    wanted = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    np.testing.assert_allclose(read.directions, wanted, atol=1e-15)  # pyright: ignore
+    wanted = np.stack([np.cos(angles), np.sin(angles)])
+    np.testing.assert_allclose(read.rays, wanted, atol=1e-15)  # pyright: ignore
 
 
 def test_nothing_is_seen_beyond_the_reach():
@@ -185,6 +185,7 @@ def test_from_inside_a_box_or_a_wall_everything_reads_nothing(spot):
         np.array([[[1.0, 0.0]]]),
         room.size,
         room.boxes,
+        room.axes,
         room.count,
         np.array([[1.0, 0.0], [0.0, 1.0]]),
         3.0,

@@ -13,6 +13,7 @@ import coopenv
 from coopenv import BLOCKS, Block, Sensor, Transport
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
+from coopenv.sensor import normal
 
 NOISY = Sensor("twist", noise=0.02, bias=0.01, delay=2)
 
@@ -42,6 +43,17 @@ def test_noise_is_normal_of_the_deviation_given_and_new_everywhere():
     for axis in (0, 1):  # one step after the other, one world beside the other
         first, second = np.delete(drawn, 0, axis).ravel(), np.delete(drawn, -1, axis).ravel()
         assert abs(np.corrcoef(first, second)[0, 1]) < 4 / np.sqrt(first.size)
+
+
+def test_a_keys_normal_number_is_the_quantile_of_its_uniform_one():
+    generator = np.random.default_rng(0)
+    keys = generator.integers(2**64, size=2000, dtype=np.uint64)
+    rare = np.uint64(1) << np.arange(13, 64, dtype=np.uint64)  # down to a chance of 2⁻⁵²
+    for key in np.concatenate([keys, rare, ~rare, [np.uint64(0), np.uint64(2**64 - 1)]]):
+        count = int(key) >> 12
+        below, above = (count + 0.5) / 2**52, (2**52 - count - 0.5) / 2**52
+        wanted = stats.norm.ppf(below) if below < 0.5 else stats.norm.isf(above)
+        assert normal(key) == pytest.approx(wanted, rel=1e-6, abs=1e-7)
 
 
 def test_a_bias_stays_for_an_episode_and_is_each_agents_own():
@@ -167,7 +179,8 @@ def test_sensors_change_nothing_that_they_are_not_on():
         seen = [core.step(push)[0] for core in (plain, noisy, late)]
         for other in seen[1:]:
             np.testing.assert_array_equal(other[..., :4], seen[0][..., :4])
-    plain.reset(), late.reset()  # a delay draws nothing
+    for core in (plain, late):  # a delay draws nothing
+        core.reset()
     np.testing.assert_array_equal(
         plain.transition.next_state.goal,  # pyright: ignore[reportOptionalMemberAccess]
         late.transition.next_state.goal,  # pyright: ignore[reportOptionalMemberAccess]
@@ -232,21 +245,21 @@ def test_a_logged_step_says_what_the_sensors_were_drawn_with():
 
 
 @pytest.mark.parametrize(
-    ("sensor", "said"),
+    ("values", "said"),
     [
-        (lambda: Sensor("twist", noise=-1.0), "sensor.noise must be zero or positive"),
-        (lambda: Sensor("twist", bias=(0.1, -0.1, 0.1)), "sensor.bias must be zero or positive"),
-        (lambda: Sensor("twist", noise=np.nan), "sensor.noise must be finite"),
-        (lambda: Sensor("twist", noise=()), "sensor.noise must be zero or positive, one number"),
-        (lambda: Sensor("twist", noise="some"), "sensor.noise must be an array of numbers"),
-        (lambda: Sensor("twist", delay=-1), "sensor.delay must be a whole number of at least 0"),
-        (lambda: Sensor("twist", delay=0.5), "sensor.delay must be a whole number"),
-        (lambda: Sensor(NOISY), "sensor.block must be a block or its name"),
+        ({"noise": -1.0}, "sensor.noise must be zero or positive"),
+        ({"bias": (0.1, -0.1, 0.1)}, "sensor.bias must be zero or positive"),
+        ({"noise": np.nan}, "sensor.noise must be finite"),
+        ({"noise": ()}, "sensor.noise must be zero or positive, one number"),
+        ({"noise": "some"}, "sensor.noise must be an array of numbers"),
+        ({"delay": -1}, "sensor.delay must be a whole number of at least 0"),
+        ({"delay": 0.5}, "sensor.delay must be a whole number"),
+        ({"block": NOISY}, "sensor.block must be a block or its name"),
     ],
 )
-def test_a_sensor_that_cannot_be_is_refused_by_the_name_of_its_parameter(sensor, said):
+def test_a_sensor_that_cannot_be_is_refused_by_the_name_of_its_parameter(values, said):
     with pytest.raises(InvalidInput, match=said):
-        sensor()
+        Sensor(**{"block": "twist", **values})
 
 
 @pytest.mark.parametrize(
