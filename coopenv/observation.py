@@ -197,11 +197,10 @@ class Observation:
             else:
                 seen[..., where] = _checked(block.read(transition), seen[..., where].shape, block)
         for name, instruments in self._instruments.items():
-            instruments(
-                seen[..., self.blocks[name]],
-                transition,
-                self._all_worlds if worlds is None else worlds,
-            )
+            where = self.blocks[name]
+            truth = np.ascontiguousarray(seen[..., where])
+            rows = self._all_worlds if worlds is None else worlds
+            seen[..., where] = instruments(truth, transition, rows)
         return seen
 
 

@@ -113,8 +113,8 @@ class Instruments:
 
     def __call__(
         self, seen: npt.NDArray[np.float32], transition: Transition, worlds: IntArray
-    ) -> None:
-        """Put the readings in place of the truth ``seen`` ``(row, agent, feature)``.
+    ) -> npt.NDArray[np.float32]:
+        """What is read instead of the truth ``seen`` ``(row, agent, feature)``, in its place.
 
         Row k of it and of ``transition`` is of world ``worlds[k]``.
         """
@@ -135,6 +135,7 @@ class Instruments:
             _hide(seen, conditions.told, self._told)
         if len(self._kept) > 1:
             _delay(seen, steps, worlds, self._kept)
+        return seen
 
 
 @njit(**COMPILED)

@@ -8,7 +8,7 @@ from coopenv import BLOCKS, Body, Box, Scene, Transport
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
-from coopenv.ranges import read_ranges
+from coopenv.ranges import RangeReading, read_ranges
 
 FAR = 100.0  # [m]; more than any room here measures
 EMPTY = Scene(size=(8.0, 6.0))
@@ -187,7 +187,7 @@ def test_from_inside_a_box_or_a_wall_everything_reads_nothing(spot):
         room.boxes,
         room.axes,
         room.count,
-        np.array([[1.0, 0.0], [0.0, 1.0]]),
+        RangeReading(num_rays=2).rays,
         3.0,
     )
     np.testing.assert_array_equal(seen, np.zeros((1, 1, 5)))
