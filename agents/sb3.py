@@ -323,7 +323,11 @@ class FallingRate:
 
 
 def feature_scale(venv: TransportVecEnv) -> list[float]:
-    """One factor a feature: lengths per metre and speeds as they are, wrenches by the limits."""
+    """One factor a feature, which brings it to order one.
+
+    What is bounded is divided by its bound (ranges by their reach), wrenches by the limits;
+    other lengths and speeds stay in SI units.
+    """
     core = venv.transport
     force, torque = core.config.limits().max(axis=0)
     wrench = [1 / force, 1 / force, 1 / torque]
@@ -334,7 +338,8 @@ def feature_scale(venv: TransportVecEnv) -> list[float]:
         "own_internal": wrench,
         "partner_internal": others,
     }
-    scale = np.ones(core.observation.size)
+    bound = np.maximum(np.abs(core.observation.low), np.abs(core.observation.high))
+    scale = np.where(np.isfinite(bound) & (bound > 0), 1 / np.maximum(bound, 1e-9), 1.0)
     for name, where in core.observation.blocks.items():
         if name in known:
             scale[where] = list(known[name])

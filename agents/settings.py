@@ -23,6 +23,8 @@ class EnvironmentChoice:
     """Preset of coopenv.rewards: task, harmony, balanced, sparse."""
     observe: tuple[str, ...] | None = None
     """Observation blocks, for example: goal twist own_wrench."""
+    sensing: Literal["own", "shared"] | None = None
+    """Instead of observe: what an agent senses by itself, or the partners' senses too."""
     action: Literal["wrench", "force"] | None = None
     """What an agent gives: forces and torque, or forces alone."""
     horizon: int | None = None

@@ -19,11 +19,22 @@ import gymnasium
 import numpy as np
 import pymunk.batch as batch
 
-from coopenv import Transport
+from coopenv import Box, Scene, Sensor, Transport
+from coopenv.observation import DEFAULT_BLOCKS
 
 SIZES = (1, 16, 256, 1024)
+SENSED_SIZES = (256, 1024)
+FOUR_BOXES = Scene(
+    obstacles=tuple(
+        Box(center=(x, y), size=(0.4, 0.3), angle=x * y)
+        for x, y in ((2.2, 2.0), (-2.0, 2.2), (2.0, -2.2), (-2.2, -2.0))
+    )
+)
+RANGES = (*DEFAULT_BLOCKS, "obstacles")  # 12 rays an agent
+IMPERFECT = (*DEFAULT_BLOCKS, Sensor("obstacles", noise=0.02, bias=0.01, delay=2))
 REPEATS = 9
 TARGET_RATIO = 1.5  # full step to five bare substeps, at 256 worlds and more
+TARGET_RANGES = 0.5  # µs a world that ranges add for each agent
 TARGET_SINGLE = 8_000  # steps/s of the single Gymnasium environment
 
 
@@ -64,6 +75,28 @@ def compare(num_worlds: int) -> Row:
         ratio=median(np.divide(times["full"], times["five"])),
         vmas=median(times["vmas"]) if "vmas" in times else None,
     )
+
+
+def compare_senses(num_worlds: int) -> list[str]:
+    """One row: the full step without and with ranges among four obstacles, and bare physics."""
+    steps = max(30, 20_000 // num_worlds)
+    blocks = {"plain": DEFAULT_BLOCKS, "ranges": RANGES, "imperfect": IMPERFECT}
+    cores = {
+        name: Transport(num_worlds=num_worlds, scene=FOUR_BOXES, observe=observe)
+        for name, observe in blocks.items()
+    }
+    times = {name: [] for name in (*cores, "bare")}
+    for _ in range(REPEATS + 1):
+        for name, core in cores.items():
+            times[name].append(full_step(core, steps) / num_worlds * 1e6)
+        times["bare"].append(bare_step(cores["plain"], 5, steps) / num_worlds * 1e6)
+    plain, ranges, imperfect, bare = (np.array(times[name][1:]) for name in times)
+    return [
+        f"{num_worlds:,}",
+        *(f"{median(each):.2f}" for each in (plain, ranges, imperfect, bare)),
+        f"{median(ranges / bare):.2f}",
+        f"{median((ranges - plain) / cores['plain'].num_agents):.2f}",
+    ]
 
 
 def full_step(core: Transport, steps: int) -> float:
@@ -176,8 +209,23 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
         "VMAS transport [steps/s]",
         "ratio",
     ]
+    sensed = [compare_senses(num_worlds) for num_worlds in SENSED_SIZES]
     single = [[f"{single_gymnasium():,.0f}", f"≥ {TARGET_SINGLE:,}"]]
     return [
         (f"Full step (target: ≤ {TARGET_RATIO} × five bare substeps from 256)", columns, lines),
+        (
+            f"Senses: full step [µs/world] with 12 rays an agent among four boxes "
+            f"(target: ≤ {TARGET_RANGES} µs more an agent)",
+            [
+                "worlds",
+                "no ranges",
+                "ranges",
+                "noisy, late ranges",
+                "bare, 5 substeps",
+                "ranges / bare 5",
+                "ranges, an agent",
+            ],
+            sensed,
+        ),
         ("gymnasium.make(...).unwrapped, one world", ["steps/s", "target"], single),
     ]

@@ -12,6 +12,7 @@ from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.observation import BLOCKS, Block
 from coopenv.scene import Box, Scene
+from coopenv.sensor import Sensor
 from coopenv.tasks import Episode, Task, TransportTask, WalkerAvoidTask, WalkerTurnTask
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
@@ -25,6 +26,7 @@ __all__ = [
     "Box",
     "Episode",
     "Scene",
+    "Sensor",
     "State",
     "Task",
     "Transition",

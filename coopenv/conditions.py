@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray
@@ -98,6 +99,7 @@ class Room:
 
     size: FloatArray  # (world, 2) [m], inner width and height, centred on the origin
     boxes: FloatArray  # (world, box, 5): centre x, y, width, height [m], angle [rad]
+    axes: FloatArray  # (world, box, 2): cosine and sine of the boxes' angles
     count: IntArray  # (world,): boxes there are; the rows after them are zero
 
     @classmethod
@@ -110,6 +112,7 @@ class Room:
         return cls(
             size=np.array([scene.size for scene in scenes]),
             boxes=boxes,
+            axes=np.stack([np.cos(boxes[..., 4]), np.sin(boxes[..., 4])], axis=-1),
             count=np.array([len(scene.obstacles) for scene in scenes]),
         )
 
@@ -126,6 +129,7 @@ class Conditions:
     task: Any  # the `coopenv.Task`
     plan: FloatArray  # (world, number): what the task drew for itself; see `coopenv.tasks.Episode`
     told: BoolArray  # (world, agent, 2): who is told the goal's place, and its angle
+    key: npt.NDArray[np.uint64]  # (world,): what errors of sensors are drawn with; see `Sensor`
 
     def take(self, worlds: IntArray) -> "Conditions":
         """Only the given worlds."""
@@ -138,7 +142,12 @@ class Conditions:
             room=_rows(self.room, worlds),
             plan=self.plan[worlds],
             told=self.told[worlds],
+            key=self.key[worlds],
         )
+
+    def with_keys(self, worlds: IntArray, keys: npt.NDArray[np.uint64]) -> "Conditions":
+        """A copy in which ``worlds`` have other keys."""
+        return replace(self, key=_replaced(self.key, worlds, keys))
 
     def with_worlds(
         self,

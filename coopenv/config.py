@@ -10,7 +10,7 @@ import numpy as np
 from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import DEFAULT_BLOCKS, Block, check_blocks
+from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, find_blocks
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
 from coopenv.tasks import Task, TransportTask
@@ -33,7 +33,11 @@ class TransportConfig:
     reward
         A `coopenv.rewards.RewardSum`, one term, or the name of a preset.
     observe
-        Names of observation blocks (`coopenv.observation.BLOCKS`), or `Block` objects.
+        Names of observation blocks (`coopenv.observation.BLOCKS`) or `Block` objects, as they are
+        or in a `coopenv.Sensor` that adds noise, a bias and a delay.
+    sensing
+        A word for ``observe``, which it sets: ``"own"``, what an agent feels and sees by itself,
+        or ``"shared"``, that of its partners and the decomposition too. Reads ``None`` afterwards.
     action
         ``"wrench"`` (fx, fy, tz) or ``"force"`` (fx, fy), each in [−1, 1], agent frame.
     force_limit, torque_limit
@@ -60,7 +64,8 @@ class TransportConfig:
     body: Body | Sequence[Body] = field(default_factory=Body)
     scene: Scene | Sequence[Scene] = field(default_factory=Scene)
     reward: RewardSum | str = "task"
-    observe: Sequence[str | Block] = DEFAULT_BLOCKS
+    observe: Sequence[Entry] = DEFAULT_BLOCKS
+    sensing: str | None = None
     action: str = "wrench"
     force_limit: float | Sequence[float] = 10.0  # [N]
     torque_limit: float | Sequence[float] = 5.0  # [N·m]
@@ -76,8 +81,8 @@ class TransportConfig:
         _set(self, "body", _one_or_more(self.body, "body", Body))
         _set(self, "scene", _one_or_more(self.scene, "scene", Scene))
         _set(self, "reward", find_reward(self.reward))
-        check_blocks(self.observe)
-        _set(self, "observe", tuple(self.observe))
+        _set(self, "observe", find_blocks(_sensed(self.sensing, self.observe)))
+        _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
         _set(self, "horizon", whole(self.horizon, "horizon", at_least=1))
@@ -95,7 +100,12 @@ class TransportConfig:
         ``max_episode_steps`` (Gymnasium's word) and ``max_cycles`` (PettingZoo's) stand for
         ``horizon`` and override it.
         """
+        _check_one_sight(keywords)
         known = {**(defaults or {}), **keywords}
+        if keywords.get("sensing") is not None:  # what is given overrides the other's default
+            known.pop("observe", None)
+        elif "observe" in keywords:
+            known.pop("sensing", None)
         for alias in ("max_episode_steps", "max_cycles"):
             steps = known.pop(alias, None)
             if steps is not None:
@@ -140,8 +150,28 @@ class TransportConfig:
             limit = _limit(getattr(self, name), name, self.num_agents)
             object.__setattr__(self, name, limit)
         object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
+        Observation(self.observe, self.num_agents)  # raises where numbers and features do not match
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
+
+
+def _sensed(sensing: str | None, observe: Sequence[Any]) -> Sequence[Any]:
+    """The blocks that ``sensing`` stands for, if it is given, else ``observe``."""
+    if sensing is None:
+        return observe
+    if not isinstance(sensing, str) or sensing not in SENSING:
+        raise UnknownName("sensing", sensing, SENSING)
+    if observe not in (DEFAULT_BLOCKS, *SENSING.values()):  # else nobody chose it by hand
+        _check_one_sight({"sensing": sensing, "observe": observe})
+    return SENSING[sensing]
+
+
+def _check_one_sight(given: Mapping[str, Any]) -> None:
+    if given.get("sensing") is not None and "observe" in given:
+        raise InvalidInput(
+            f"sensing must come without observe, got sensing={given['sensing']!r} beside "
+            f"observe={given['observe']!r}; give one of them"
+        )
 
 
 def _built(value: Any, name: str, kind: type) -> Any:

@@ -10,6 +10,7 @@ from coopenv.conditions import Conditions, Load, Room, Team
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.scene import WALL_THICKNESS, Scene
+from coopenv.sensor import Sensor
 from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask
 
 Generators = Sequence[np.random.Generator | None]
@@ -38,6 +39,9 @@ class Draws:
         self._settings = config.decomposition
         self._own_boxes = self._task.max_obstacles if isinstance(self._task, FurnishedTask) else 0
         self._told = self._told_by(config)
+        self._needs_keys = any(
+            isinstance(entry, Sensor) and entry.is_random for entry in config.observe
+        )
         self.changing = self._own_boxes > 0 or isinstance(self._task, MovingTask)
 
     def first(self) -> Conditions:
@@ -53,6 +57,7 @@ class Draws:
             task=self._task,
             plan=np.zeros((len(bodies), 0)),
             told=np.repeat(self._told[None], len(bodies), axis=0),
+            key=np.zeros(len(bodies), dtype=np.uint64),
         )
 
     def next(
@@ -76,6 +81,9 @@ class Draws:
                 limits=self._limits[worlds],
                 plan=plan,
             )
+        if self._needs_keys and chosen:  # after all else, which so stays as it is without sensors
+            keys = np.array([_key(generators[k]) for k in chosen], dtype=np.uint64)
+            conditions = conditions.with_keys(worlds, keys)
         return conditions, start, goal
 
     def _episode(self, generator: np.random.Generator | None, k: int) -> Episode:
@@ -110,3 +118,8 @@ class Draws:
         if isinstance(self._task, GuidedTask):
             told &= self._task.told(config.num_agents)
         return told
+
+
+def _key(generator: np.random.Generator | None) -> int:
+    assert generator is not None
+    return int(generator.integers(2**64, dtype=np.uint64))

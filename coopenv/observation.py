@@ -1,46 +1,21 @@
 """Named observation blocks, put together into one array per agent."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.block import Block, EachOther
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.frames import VIEW_PARTS, view_slices
+from coopenv.ranges import RangeReading, ranges
+from coopenv.sensor import Instruments, Sensor
 from coopenv.transition import Transition
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Block:
-    """One named part of an observation.
-
-    Raises
-    ------
-    InvalidInput
-        If ``name`` is empty or ``size`` is not at least 1.
-    """
-
-    name: str
-    size: int | Callable[[int], int]  # features, or how many for a number of agents
-    describe: str  # contents, unit and frame
-    read: Callable[[Transition], FloatArray] | None = (
-        None  # -> (world, agent, size); None: built in
-    )
-    low: float = -np.inf
-    high: float = np.inf
-
-    def __post_init__(self) -> None:
-        if not self.name or (isinstance(self.size, int) and self.size < 1):
-            raise InvalidInput(
-                f"a block must have a name and at least one feature, got {self.name!r} of size "
-                f"{self.size!r}; name it and give its size"
-            )
-
-    def width(self, num_agents: int) -> int:
-        """Number of features in a team of ``num_agents``."""
-        return self.size if isinstance(self.size, int) else self.size(num_agents)
+Entry: TypeAlias = str | Block | Sensor
 
 
 def _time_left(transition: Transition) -> FloatArray:
@@ -52,42 +27,51 @@ def _known(transition: Transition) -> FloatArray:
     return transition.conditions.told.astype(np.float64)
 
 
-def _others(num_agents: int) -> int:
-    return 3 * (num_agents - 1)
-
-
 BLOCKS: dict[str, Block] = {
     block.name: block
     for block in (
         Block(
             name="goal",
             size=4,
-            describe="way from the object to its goal: Δx, Δy [m], cos Δθ, sin Δθ; agent frame",
+            describe="way from the object to its goal: Δx, Δy, cos Δθ, sin Δθ; 0 where not told",
+            unit="m, m, 1, 1",
+            frame="agent",
+            told=(0, 0, 1, 1),
         ),
         Block(
             name="twist",
             size=3,
-            describe="velocity of the object [m/s] and spin [rad/s]; agent frame",
+            describe="velocity of the object's centre of mass, and its spin",
+            unit="m/s, m/s, rad/s",
+            frame="agent",
         ),
         Block(
             name="own_wrench",
             size=3,
-            describe="force [N] and torque [N·m] this agent applied; agent frame",
+            describe="force and torque this agent applied",
+            unit="N, N, N·m",
+            frame="agent",
         ),
         Block(
             name="partner_wrench",
-            size=_others,
-            describe="force [N] and torque [N·m] each other agent applied; this agent's frame",
+            size=EachOther(3),
+            describe="force and torque each other agent applied",
+            unit="N, N, N·m",
+            frame="agent",
         ),
         Block(
             name="own_internal",
             size=3,
-            describe="internal part of this agent's wrench [N, N·m]; agent frame",
+            describe="internal part of this agent's wrench",
+            unit="N, N, N·m",
+            frame="agent",
         ),
         Block(
             name="partner_internal",
-            size=_others,
-            describe="internal part of each other agent's wrench [N, N·m]; this agent's frame",
+            size=EachOther(3),
+            describe="internal part of each other agent's wrench",
+            unit="N, N, N·m",
+            frame="agent",
         ),
         Block(
             name="load_share",
@@ -95,11 +79,13 @@ BLOCKS: dict[str, Block] = {
             describe="this agent's share of the force and of the torque; 1/n where undefined",
             low=0.0,
             high=1.0,
+            unit="1",
         ),
         Block(
             name="relative_cost",
             size=1,
             describe="γ, the fraction of the applied wrench's cost that was compensated",
+            unit="1",
         ),
         Block(
             name="known",
@@ -108,6 +94,7 @@ BLOCKS: dict[str, Block] = {
             read=_known,
             low=0.0,
             high=1.0,
+            unit="1",
         ),
         Block(
             name="time",
@@ -116,11 +103,27 @@ BLOCKS: dict[str, Block] = {
             read=_time_left,
             low=0.0,
             high=1.0,
+            unit="1",
         ),
+        ranges(),
+        ranges(whose="partners"),
     )
 }
 
 DEFAULT_BLOCKS = VIEW_PARTS
+_OWN = ("goal", "known", "twist", "own_wrench", "obstacles")
+SENSING: dict[str, tuple[str, ...]] = {  # the words for it that `TransportConfig` takes
+    "own": _OWN,  # what an agent feels and sees by itself
+    "shared": (  # what its partners feel and see too, and what takes all wrenches to know
+        *_OWN,
+        "partner_wrench",
+        "partner_obstacles",
+        "own_internal",
+        "partner_internal",
+        "load_share",
+        "relative_cost",
+    ),
+}
 
 
 class Observation:
@@ -129,9 +132,11 @@ class Observation:
     Parameters
     ----------
     blocks
-        Names from `BLOCKS`, or `Block` objects of your own.
+        Names from `BLOCKS`, `Block` objects of your own, or either in a `Sensor`.
     num_agents
         Effectors in a world.
+    num_worlds
+        Worlds that delayed readings are kept for.
 
     Attributes
     ----------
@@ -147,10 +152,10 @@ class Observation:
     UnknownName
         For a name that is not in `BLOCKS`.
     InvalidInput
-        If there is no block, or one twice.
+        If numbers of a block or a sensor are not as many as its features.
     """
 
-    def __init__(self, blocks: Sequence[str | Block], num_agents: int):
+    def __init__(self, blocks: Sequence[Entry], num_agents: int, num_worlds: int = 1):
         chosen = [find_block(block) for block in blocks]
         sizes = [block.width(num_agents) for block in chosen]
         ends = np.cumsum(sizes).tolist()
@@ -159,14 +164,29 @@ class Observation:
             block.name: slice(end - size, end)
             for block, size, end in zip(chosen, sizes, ends, strict=True)
         }
-        self.low = np.repeat([block.low for block in chosen], sizes).astype(np.float32)
-        self.high = np.repeat([block.high for block in chosen], sizes).astype(np.float32)
+        low = [block.spread(block.low, num_agents, "low") for block in chosen]
+        high = [block.spread(block.high, num_agents, "high") for block in chosen]
+        self.low = np.concatenate(low).astype(np.float32)
+        self.high = np.concatenate(high).astype(np.float32)
         self._chosen = chosen
         self._view = view_slices(num_agents)
-        self._is_whole_view = chosen == [BLOCKS[name] for name in VIEW_PARTS]
+        self._all_worlds = np.arange(num_worlds)
+        self._instruments = {
+            block.name: Instruments(entry, block, num_agents, num_worlds)
+            for block, entry in zip(chosen, blocks, strict=True)
+            if isinstance(entry, Sensor)
+        }
+        whole_view = chosen == [BLOCKS[name] for name in VIEW_PARTS]
+        self._is_whole_view = whole_view and not self._instruments
 
-    def __call__(self, transition: Transition) -> npt.NDArray[np.float32]:
-        """What every agent sees after ``transition``: ``(world, agent, size)``, a fresh array."""
+    def __call__(
+        self, transition: Transition, worlds: IntArray | None = None
+    ) -> npt.NDArray[np.float32]:
+        """What every agent sees after ``transition``: ``(world, agent, size)``, a fresh array.
+
+        ``worlds`` says which ones the rows of ``transition`` are of, if it is not all of them.
+        Delayed readings are right where every step of an episode has been read once, in order.
+        """
         view = transition.agent_view()
         if self._is_whole_view:
             return view
@@ -176,6 +196,11 @@ class Observation:
                 seen[..., where] = view[..., self._view[block.name]]
             else:
                 seen[..., where] = _checked(block.read(transition), seen[..., where].shape, block)
+        for name, instruments in self._instruments.items():
+            where = self.blocks[name]
+            truth = np.ascontiguousarray(seen[..., where])
+            rows = self._all_worlds if worlds is None else worlds
+            seen[..., where] = instruments(truth, transition, rows)
         return seen
 
 
@@ -188,8 +213,10 @@ def _checked(value: FloatArray, shape: tuple[int, ...], block: Block) -> FloatAr
     return value
 
 
-def find_block(block: str | Block) -> Block:
-    """The block of that name; a `Block` is returned as it is."""
+def find_block(block: Entry) -> Block:
+    """The block of that name, or in that sensor; a `Block` is returned as it is."""
+    if isinstance(block, Sensor):
+        return find_block(block.block)
     if isinstance(block, Block):
         if block.read is None and block != BLOCKS.get(block.name):
             raise InvalidInput(
@@ -202,14 +229,43 @@ def find_block(block: str | Block) -> Block:
     return BLOCKS[block]
 
 
-def check_blocks(blocks: Sequence[str | Block]) -> None:
-    """Raise unless ``blocks`` is a sequence of known, different blocks."""
+def find_blocks(blocks: Sequence[Any]) -> tuple[Entry, ...]:
+    """``blocks``, each built anew where JSON brought it back as a dict.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        Unless it is a sequence of known, different blocks.
+    """
     if isinstance(blocks, str) or not isinstance(blocks, Sequence) or not blocks:
         raise InvalidInput(
             f"observe must be a sequence of block names, got {blocks!r}; "
             f"pass for example observe={DEFAULT_BLOCKS[:2]}"
         )
-    names = [find_block(block).name for block in blocks]
+    built = tuple(_built(block) for block in blocks)
+    names = [find_block(block).name for block in built]
     doubled = sorted({name for name in names if names.count(name) > 1})
     if doubled:
         raise InvalidInput(f"observe must name each block once, got {doubled} twice; drop one")
+    return built
+
+
+def _built(block: Any) -> Any:
+    """The sensor, or the block of ranges or of this module, that a dict describes."""
+    if not isinstance(block, Mapping):
+        return block
+    if "block" in block:
+        _check_names(block, Sensor)
+        return Sensor(**{**block, "block": _built(block["block"])})
+    name, read = block.get("name"), block.get("read")
+    if isinstance(read, Mapping):
+        _check_names(read, RangeReading)
+        return ranges(name=name, **read)
+    return BLOCKS.get(str(name), block) if read is None else block
+
+
+def _check_names(given: Mapping[str, Any], kind: type) -> None:
+    known = [entry.name for entry in fields(kind)]
+    for name in given:
+        if name not in known:
+            raise UnknownName("keyword in observe", name, known)

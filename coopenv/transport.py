@@ -77,7 +77,7 @@ class Transport:
         self.dt, self.substeps = self.config.dt, self.config.substeps
         self.horizon = self.config.horizon
         self.reward = find_reward(self.config.reward)
-        self.observation = Observation(self.config.observe, self.num_agents)
+        self.observation = Observation(self.config.observe, self.num_agents, self.num_worlds)
         self._draws = Draws(self.config, self.num_worlds)
         self.conditions = self._draws.first()
         self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
@@ -155,7 +155,7 @@ class Transport:
             drawn_pose if pose is None else pose[worlds],
             drawn_goal if goal is None else goal[worlds],
         )
-        obs, info = self.observation(start), start_info(start, tuple(self.reward))
+        obs, info = self.observation(start, worlds), start_info(start, tuple(self.reward))
         if self.transition is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:

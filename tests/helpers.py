@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 import coopenv
-from coopenv import BLOCKS, Body, Box, Scene, TransportTask
+from coopenv import BLOCKS, Body, Box, Scene, Sensor, TransportTask
+from coopenv.observation import ranges
 from coopenv.rewards import PRESETS
 from coopenv.wrench import METHODS, Settings
 
@@ -47,6 +48,24 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "forces": {"action": "force"},
     "every block": {"observe": tuple(BLOCKS)},
     **{f"observe {name}": {"observe": (name,)} for name in BLOCKS},
+    "own senses": {"sensing": "own"},
+    "shared senses": {"sensing": "shared", "scene": CLUTTERED},
+    "imperfect senses": {
+        "observe": (
+            Sensor("goal", noise=0.01, delay=3),
+            Sensor("twist", noise=(0.02, 0.02, 0.05), bias=0.01, delay=1),
+            Sensor("obstacles", noise=0.05, bias=0.02),
+            "known",
+        ),
+        "informed": (0,),
+    },
+    "other rays": {
+        "observe": (
+            ranges(num_rays=5, reach=2.0, field_of_view=1.5, heading=np.pi),
+            Sensor(ranges(num_rays=4, where="centre", whose="partners"), delay=2),
+        ),
+        "scene": CLUTTERED,
+    },
     **{f"reward {name}": {"reward": name} for name in PRESETS},
     "one term": {"reward": coopenv.rewards.Success()},
     "own sum": {

@@ -9,8 +9,10 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, PARALLEL, TRIO
 
+import coopenv
 from coopenv import BLOCKS, Body, Box, Scene, Transport, TransportConfig, TransportTask, rewards
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.observation import DEFAULT_BLOCKS, SENSING, ranges
 from coopenv.wrench import Settings
 
 
@@ -75,6 +77,14 @@ def test_a_misspelt_keyword_raises_and_suggests_the_nearest_in_every_view(misspe
         ({"observe": "goal"}, r"observe must be a sequence of block names"),
         ({"observe": None}, r"observe must be a sequence of block names"),
         ({"observe": ("goal", "goal")}, r"observe must name each block once"),
+        ({"observe": ("twist", coopenv.Sensor("twist"))}, r"observe must name each block once"),
+        ({"observe": ({"block": "twist", "nois": 1},)}, r"in observe .*did you mean 'noise'"),
+        ({"observe": ({"name": "x", "read": {"rays": 1}},)}, r"in observe .*mean 'num_rays'"),
+        ({"observe": ({"size": 1},)}, r"observe must be one of the known names"),
+        ({"sensing": "shred"}, r"sensing must be .*did you mean 'shared'"),
+        ({"sensing": 1}, r"sensing must be one of the known names"),
+        ({"sensing": "own", "observe": ("goal",)}, r"sensing must come without observe"),
+        ({"sensing": "own", "observe": DEFAULT_BLOCKS}, r"sensing must come without observe"),
         ({"observe": (3,)}, r"observe must be one of the known names"),
         ({"horizon": 0}, r"horizon must be a whole number of at least 1"),
         ({"horizon": 2.5}, r"horizon must be a whole number"),
@@ -147,12 +157,31 @@ def test_the_number_of_worlds_must_be_whole_and_positive(count):
         Transport(num_worlds=count)
 
 
+def test_what_is_given_overrides_the_senses_that_an_id_starts_from():
+    defaults = {"observe": ("goal", "obstacles")}
+    assert TransportConfig.parse({}, defaults).observe == ("goal", "obstacles")
+    assert TransportConfig.parse({"sensing": "own"}, defaults).observe == SENSING["own"]
+    assert TransportConfig.parse({}, {"sensing": "own"}).observe == SENSING["own"]
+    assert TransportConfig.parse({"observe": ("goal",)}, {"sensing": "own"}).observe == ("goal",)
+
+
+def test_senses_can_be_replaced():
+    own = TransportConfig(sensing="own")
+    assert dataclasses.replace(own) == own
+    assert dataclasses.replace(own, sensing="shared").observe == SENSING["shared"]
+    assert dataclasses.replace(own, observe=("goal",)).observe == ("goal",)
+    with pytest.raises(InvalidInput, match="sensing must come without observe"):
+        dataclasses.replace(TransportConfig(observe=("goal",)), sensing="own")
+
+
 JSON = {
     **{name: values for name, values in OPTIONS.items() if name not in ("one term", "own sum")},
     "task": {"task": TransportTask(clearance=0.2)},
     "room": {"scene": OPEN_ROOM},
     "many bodies": {"body": (Body(mass=2.0),), "scene": (CLUTTERED,)},
     "a box": {"scene": Scene(obstacles=(Box(center=(1, 2), size=(0.5, 0.5), angle=0.3),))},
+    "a block as it is": {"observe": (BLOCKS["goal"], coopenv.Sensor(BLOCKS["twist"], 0.1))},
+    "two ranges": {"observe": ("obstacles", ranges(num_rays=3, name="coarse"))},
     "settings": {"decomposition": Settings(method="parametrized", virtual_masses=(2.0, 2.0))},
 }
 
@@ -186,6 +215,7 @@ def test_a_vector_environment_comes_back_from_json_as_it_was(name):
         {"reward": {"progress": rewards.Progress()}},
         {"reward": rewards.TimeCost()},
         {"observe": ("goal", BLOCKS["time"])},
+        {"observe": ("goal", coopenv.Sensor(BLOCKS["time"], noise=0.1))},
     ],
 )
 def test_what_json_cannot_hold_raises_rather_than_coming_back_different(name, keywords):

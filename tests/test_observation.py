@@ -6,9 +6,10 @@ from helpers import OPEN_ROOM, QUINTET, TRIO, actions
 
 from coopenv import BLOCKS, Block, Body, Transport
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import DEFAULT_BLOCKS, Observation
+from coopenv.observation import DEFAULT_BLOCKS, SENSING, Observation
 
 ALL = tuple(BLOCKS)
+RANGES = ("obstacles", "partner_obstacles")  # test_ranges.py has what they are
 TEAMS = {"pair": Body(), "three": TRIO, "five": QUINTET, "one": Body(grips=((0.4, 0.1),))}
 
 
@@ -62,6 +63,7 @@ def test_every_block_is_what_it_says(team):
     applied = wrenches_seen(core, transition.applied)
     internal = wrenches_seen(core, transition.decomposition.internal)
     share = transition.decomposition.load_share
+    seen = {name: BLOCKS[name].read(transition) for name in RANGES}  # pyright: ignore
     wanted = {
         "goal": np.concatenate([seen_along(away, heading), both], axis=-1),
         "twist": np.concatenate([seen_along(speed, heading), spin], axis=-1),
@@ -73,6 +75,7 @@ def test_every_block_is_what_it_says(team):
         "relative_cost": transition.decomposition.relative_cost[:, None, None].repeat(count, 1),
         "known": np.ones((4, count, 2)),
         "time": np.full((4, count, 1), 1 - 7 / core.horizon),
+        **seen,
     }
     assert set(wanted) == set(BLOCKS)
     for name, values in wanted.items():
@@ -178,7 +181,7 @@ def test_a_block_that_reads_another_shape_than_it_says_is_refused():
 
 def test_an_unknown_block_lists_the_known_ones():
     with pytest.raises(
-        UnknownName, match=r"got 'partner'; .*known: goal, known, load_share, own_internal"
+        UnknownName, match=r"got 'partner'; .*known: goal, known, load_share, obstacles, own_"
     ):
         Observation(["partner"], 2)
 
@@ -198,3 +201,37 @@ def test_an_agent_that_is_not_told_the_goal_reads_zeros_beside_a_known_flag_of_z
 def test_an_informed_agent_that_does_not_exist_is_refused(informed):
     with pytest.raises(InvalidInput, match="informed must"):
         Transport(informed=informed)
+
+
+def test_senses_of_ones_own_need_no_partner_and_shared_ones_add_to_them():
+    own, shared = SENSING["own"], SENSING["shared"]
+    assert own == shared[: len(own)]
+    of_the_partners = {name for name in ALL if name.startswith("partner")}
+    takes_all_wrenches = {"own_internal", "load_share", "relative_cost"}
+    assert set(shared) - set(own) == of_the_partners | takes_all_wrenches
+    for name, blocks in SENSING.items():
+        core = Transport(sensing=name)
+        assert core.config.observe == blocks
+        assert core.config.sensing is None
+
+
+def test_by_its_own_senses_an_agent_cannot_tell_how_the_others_strain():
+    push = np.zeros((1, 3, 3))
+    push[0, 1:, 2] = (1.0, -1.0)  # the object feels nothing of it
+    for sensing, is_told in (("own", False), ("shared", True)):
+        core = Transport(sensing=sensing, body=TRIO)
+        seen = []
+        for strain in (0.0, 1.0):
+            core.reset(seed=0)
+            seen.append(core.step(strain * push)[0][0, 0])
+        assert (seen[0] != seen[1]).any() == is_told
+
+
+@pytest.mark.parametrize(
+    ("bounds", "said"),
+    [({"low": (0.0, 0.0, 0.0)}, "low must be one number"), ({"high": (1.0,)}, "high must be one")],
+)
+def test_bounds_that_are_not_as_many_as_the_features_are_refused(bounds, said):
+    wrong = Block(name="wrong", size=2, describe="ones", read=constant(1.0), **bounds)
+    with pytest.raises(InvalidInput, match=said):
+        Transport(observe=(wrong,))

@@ -13,9 +13,10 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
-from coopenv import Transport, TransportConfig
+from coopenv import Sensor, Transport, TransportConfig
 from coopenv.agents import sb3
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.observation import ranges
 
 CONTROLS = ("joint", "shared")
 
@@ -283,3 +284,10 @@ def test_the_scale_touches_wrenches_only_and_brings_the_limits_to_one(control: s
             np.testing.assert_allclose(row[blocks[name]], [1 / 20, 1 / 20, 1 / 4])
         for name in ("goal", "twist", "load_share", "relative_cost"):
             assert (row[blocks[name]] == 1).all()
+
+
+def test_what_is_bounded_is_scaled_to_one_by_its_bound():
+    observe = ("known", ranges(num_rays=3, reach=4.0), "twist", Sensor("load_share", noise=0.1))
+    venv = sb3.make_vec_env(num_worlds=2, control="shared", observe=observe)
+    scale = sb3.feature_scale(venv)
+    assert scale == [1.0] * 2 + [0.25] * 6 + [1.0] * 5

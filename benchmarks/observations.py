@@ -1,0 +1,78 @@
+"""Every observation block in a table: docs/observations.md.
+
+python -m benchmarks.observations            # prints the table
+python -m benchmarks.observations --write    # and writes docs/observations.md
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from coopenv.block import Block, EachOther
+from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
+
+PAGE = Path(__file__).parents[1] / "docs" / "observations.md"
+MARK = "<!-- table -->\n"
+SETS = {"default": DEFAULT_BLOCKS, **SENSING}
+COLUMNS = ("block", "features", "unit", "frame", "range", "what it is", "part of")
+
+
+def rows() -> list[list[str]]:
+    """One row a block."""
+    return [
+        [
+            f"`{name}`",
+            features(block),
+            block.unit,
+            block.frame or "—",
+            bounds(block),
+            block.describe,
+            ", ".join(word for word, blocks in SETS.items() if name in blocks) or "—",
+        ]
+        for name, block in BLOCKS.items()
+    ]
+
+
+def features(block: Block) -> str:
+    """How many an agent of a team of n sees."""
+    return (
+        f"{block.size.features} (n − 1)" if isinstance(block.size, EachOther) else f"{block.size}"
+    )
+
+
+def bounds(block: Block) -> str:
+    """The bounds of the features, repeated ones once."""
+    low, high = np.broadcast_arrays(block.low, block.high)
+    pairs = zip(np.atleast_1d(low).tolist(), np.atleast_1d(high).tolist(), strict=True)
+    return ", ".join(dict.fromkeys(interval(*pair) for pair in pairs))
+
+
+def interval(low: float, high: float) -> str:
+    """One feature's bounds; open where there is none."""
+    if np.isinf([low, high]).all():
+        return "any"
+    return f"[{low:g}, {high:g}]"
+
+
+def as_markdown() -> str:
+    """The page's table."""
+    lines = [COLUMNS, ["---"] * len(COLUMNS), *rows()]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def page() -> str:
+    """The page as it should be."""
+    head, tail = PAGE.read_text(encoding="utf-8").split(MARK)[::2]
+    return f"{head}{MARK}{as_markdown()}\n{MARK}{tail}"
+
+
+def main() -> None:
+    """Print the table; with ``--write`` also put it on the page."""
+    print(as_markdown())
+    if "--write" in sys.argv[1:]:
+        PAGE.write_text(page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

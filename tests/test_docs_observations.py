@@ -1,0 +1,40 @@
+"""The page on observations says what the code does."""
+
+import re
+
+import numpy as np
+
+from benchmarks import observations
+from coopenv import BLOCKS, Block
+from coopenv.block import EachOther
+
+
+def test_the_table_is_what_the_code_prints():
+    # else: python -m benchmarks.observations --write
+    assert observations.PAGE.read_text(encoding="utf-8") == observations.page()
+
+
+def test_every_block_says_what_it_is_in_which_unit_and_fits_its_numbers():
+    for name, block in BLOCKS.items():
+        assert block.describe, name
+        assert block.unit, name
+        size = block.size.features if isinstance(block.size, EachOther) else block.size
+        assert block.unit.count(",") + 1 in (1, size), name
+
+
+def test_a_bound_on_one_side_is_said():
+    half = Block(name="x", size=2, describe="", read=lambda t: t.applied, low=(0.0, -np.inf))
+    assert observations.bounds(half) == "[0, inf], any"
+
+
+def test_every_python_block_of_the_page_runs():
+    text = observations.PAGE.read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    assert len(blocks) == 4
+    names = {}
+    for block in blocks:
+        exec(compile(block, str(observations.PAGE), "exec"), names)
+        obs, _ = names["core"].reset(seed=0)
+        assert np.isfinite(obs).all()
+    core = names["core"]
+    assert (core.observation.low[core.observation.blocks["speed"]] == 0).all()
