@@ -11,9 +11,11 @@ from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Block, check_blocks
+from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
 from coopenv.tasks import Task, TransportTask
+from coopenv.variations import Variations
 from coopenv.wrench import Settings
 
 ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
@@ -49,6 +51,9 @@ class TransportConfig:
     informed
         Agents that are told the goal, by number; ``None``: all of them, as far as the task tells
         it. To the others the goal reads 0, and so does the ``known`` block.
+    randomise
+        What of body and team every episode draws anew, a `Ranges`; infos then say what was drawn,
+        under ``body``. ``None``: nothing.
 
     Raises
     ------
@@ -69,6 +74,7 @@ class TransportConfig:
     substeps: int = 2
     decomposition: Settings = field(default_factory=Settings)
     informed: Sequence[int] | None = None
+    randomise: Ranges | None = None
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -84,6 +90,8 @@ class TransportConfig:
         _set(self, "dt", positive(self.dt, "dt", unit="seconds"))
         _set(self, "substeps", whole(self.substeps, "substeps", at_least=1))
         _set(self, "decomposition", _built(self.decomposition, "decomposition", Settings))
+        if self.randomise is not None:
+            _set(self, "randomise", _built(self.randomise, "randomise", Ranges))
         self._check_agreement()
 
     @classmethod
@@ -140,8 +148,13 @@ class TransportConfig:
             limit = _limit(getattr(self, name), name, self.num_agents)
             object.__setattr__(self, name, limit)
         object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
+        ranges = self.randomise
+        for body in set(bodies) if ranges is not None else ():
+            ranges.check(body)
         for body, scene in set(_pairs(bodies, scenes)):
-            self.task.check(body, scene)
+            varied = ranges and Variations(ranges, body, self.limits()).extremes()
+            for possible in varied or (body,):
+                self.task.check(possible, scene)
 
 
 def _built(value: Any, name: str, kind: type) -> Any:

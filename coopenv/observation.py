@@ -9,6 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.frames import VIEW_PARTS, view_slices
+from coopenv.privileged import privileged, privileged_size
 from coopenv.transition import Transition
 
 
@@ -108,6 +109,14 @@ BLOCKS: dict[str, Block] = {
             read=_known,
             low=0.0,
             high=1.0,
+        ),
+        Block(
+            name="body",
+            size=privileged_size,
+            describe="mass [kg], inertia [kg·m²], linear drag [N·s/m], angular drag [N·m·s], "
+            "friction, length [m]; then of each agent, its own first, grip x, y [m], force limit "
+            "[N] and torque limit [N·m]; object frame",
+            read=privileged,
         ),
         Block(
             name="time",

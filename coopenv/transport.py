@@ -81,7 +81,13 @@ class Transport:
         self._draws = Draws(self.config, self.num_worlds)
         self.conditions = self._draws.first()
         self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
-        self.world = World(self.bodies, self.scenes, dt=self.dt, substeps=self.substeps)
+        self.world = World(
+            self.bodies,
+            self.scenes,
+            dt=self.dt,
+            substeps=self.substeps,
+            reach=self._draws.reach,
+        )
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         task = self.config.task
