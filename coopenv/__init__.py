@@ -10,6 +10,7 @@ import gymnasium
 from coopenv import rewards, wrench
 from coopenv.body import Body
 from coopenv.config import TransportConfig
+from coopenv.envs.module import register
 from coopenv.observation import BLOCKS, Block
 from coopenv.randomisation import Ranges
 from coopenv.scene import Box, Scene
@@ -35,6 +36,7 @@ __all__ = [
     "TransportTask",
     "__version__",
     "beam_transport_v0",
+    "register",
     "rewards",
     "wrench",
 ]

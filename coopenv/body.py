@@ -111,7 +111,7 @@ class Body:
             outline = _rectangle(size)
         grips = values.pop("grips", None)
         if grips is None:
-            grips = 0.9 * _round_the_rim(outline, num_agents)
+            grips = np.round(0.9 * _round_the_rim(outline, num_agents), 12) + 0.0
         return cls(outline=_tuples(outline), grips=grips, **values)
 
     @property

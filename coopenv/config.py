@@ -18,6 +18,7 @@ from coopenv.tasks import Task, TransportTask
 from coopenv.variations import Variations
 from coopenv.wrench import Settings
 
+ALIASES = ("max_episode_steps", "max_cycles")  # of the horizon: Gymnasium's word, PettingZoo's
 ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
 
 
@@ -104,7 +105,7 @@ class TransportConfig:
         ``horizon`` and override it.
         """
         known = {**(defaults or {}), **keywords}
-        for alias in ("max_episode_steps", "max_cycles"):
+        for alias in ALIASES:
             steps = known.pop(alias, None)
             if steps is not None:
                 known["horizon"] = steps
@@ -148,13 +149,26 @@ class TransportConfig:
             limit = _limit(getattr(self, name), name, self.num_agents)
             object.__setattr__(self, name, limit)
         object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
-        ranges = self.randomise
-        for body in set(bodies) if ranges is not None else ():
+        if self.randomise is not None:
+            self._check_ranges(self.randomise, bodies, scenes)
+        for body, scene in set(_pairs(bodies, scenes)):
+            self.task.check(body, scene)
+        self.reward.check(self.num_agents)
+
+    def _check_ranges(
+        self, ranges: Ranges, bodies: Sequence[Body], scenes: Sequence[Scene]
+    ) -> None:
+        """Raise where the task cannot be done with what may be drawn."""
+        for body in set(bodies):
             ranges.check(body)
         for body, scene in set(_pairs(bodies, scenes)):
-            varied = ranges and Variations(ranges, body, self.limits()).extremes()
-            for possible in varied or (body,):
-                self.task.check(possible, scene)
+            for extreme in Variations(ranges, body, self.limits()).extremes():
+                try:
+                    self.task.check(extreme, scene)
+                except InvalidInput as error:
+                    raise InvalidInput(
+                        f"randomise must leave the task possible: {error}"
+                    ) from error
 
 
 def _built(value: Any, name: str, kind: type) -> Any:
