@@ -323,7 +323,9 @@ class FallingRate:
 
 
 def feature_scale(venv: TransportVecEnv) -> list[float]:
-    """One factor a feature: lengths per metre and speeds as they are, wrenches by the limits."""
+    """One factor a feature: lengths per metre and speeds as they are, wrenches by the limits,
+    parameters of the body by what they usually are.
+    """
     core = venv.transport
     force, torque = core.config.limits().max(axis=0)
     wrench = [1 / force, 1 / force, 1 / torque]
@@ -334,6 +336,10 @@ def feature_scale(venv: TransportVecEnv) -> list[float]:
         "own_internal": wrench,
         "partner_internal": others,
     }
+    usual = core.conditions.parameters()
+    body = [1 / (np.abs(value).max() or 1.0) for value in usual.values() if value.ndim == 1]
+    limits = [1 / force, 1 / torque]
+    known["body"] = [*body, 1.0, *limits, *[1.0, 1.0, *limits] * (core.num_agents - 1)]
     scale = np.ones(core.observation.size)
     for name, where in core.observation.blocks.items():
         if name in known:

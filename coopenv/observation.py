@@ -114,8 +114,8 @@ BLOCKS: dict[str, Block] = {
             name="body",
             size=privileged_size,
             describe="mass [kg], inertia [kg·m²], linear drag [N·s/m], angular drag [N·m·s], "
-            "friction, length [m]; then of each agent, its own first, grip x, y [m], force limit "
-            "[N] and torque limit [N·m]; object frame",
+            "friction, length [m]; then of each agent, its own first, x and y of the grip from the "
+            "centre of mass [m] (its own: x), force limit [N], torque limit [N·m]; agent frame",
             read=privileged,
         ),
         Block(

@@ -13,6 +13,7 @@ from coopenv.errors import InvalidInput, UnknownName
 
 Range: TypeAlias = tuple[float, float]  # lowest and highest; both may be the same
 
+_RIM = 1e-9  # [m²] edge by distance that counts as on the rim
 _MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction")
 
 
@@ -54,10 +55,13 @@ class Ranges:
         self._check_logarithmic()
 
     def check(self, body: Body) -> None:
-        """Raise `InvalidInput` where a grip that is on the body might be drawn off it."""
+        """Raise `InvalidInput` where a grip inside the body might be drawn off it.
+
+        Grips on the rim and off the body are handles, which may be anywhere.
+        """
         if self.grips is None:
             return
-        held = [grip for grip in body.grips if _holds(body.outline, grip)]
+        held = [grip for grip in body.grips if _holds(body.outline, grip, strictly=True)]
         for length in self.length or (body.length,):
             stretch = length / body.length
             outline = [(stretch * x, y) for x, y in body.outline]
@@ -120,10 +124,13 @@ def _range(value: Any, name: str) -> Range:
     return low, high
 
 
-def _holds(outline: Sequence[tuple[float, float]], point: tuple[float, float]) -> bool:
-    """Whether a convex outline has a point in it or, up to rounding, on its rim."""
+def _holds(
+    outline: Sequence[tuple[float, float]], point: tuple[float, float], *, strictly: bool = False
+) -> bool:
+    """Whether a convex outline has a point in it or, unless ``strictly``, on its rim."""
     corners: FloatArray = np.array(outline)
     edges = np.roll(corners, -1, axis=0) - corners
     away = np.array(point) - corners
     side = edges[:, 0] * away[:, 1] - edges[:, 1] * away[:, 0]
-    return bool((side >= -1e-9).all() or (side <= 1e-9).all())
+    least = _RIM if strictly else -_RIM
+    return bool((side >= least).all() or (-side >= least).all())
