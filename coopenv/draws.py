@@ -77,7 +77,7 @@ class Draws:
         ]
         start = np.array([episode.start for episode in episodes]).reshape(-1, 3)
         goal = np.array([episode.goal for episode in episodes]).reshape(-1, 3)
-        if self.changing and chosen:
+        if chosen and (self.changing or any(episode.plan for episode in episodes)):
             plan = np.array([episode.plan for episode in episodes], dtype=np.float64)
             if plan.shape[1] != conditions.plan.shape[1]:
                 conditions = replace(
