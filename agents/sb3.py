@@ -325,8 +325,8 @@ class FallingRate:
 def feature_scale(venv: TransportVecEnv) -> list[float]:
     """One factor a feature, which brings it to order one.
 
-    What is bounded is divided by its bound (ranges by their reach), wrenches by the limits;
-    other lengths and speeds stay in SI units.
+    What is bounded is divided by its bound (ranges by their reach), wrenches by the limits,
+    parameters of the body by what they usually are; other lengths and speeds stay in SI units.
     """
     core = venv.transport
     force, torque = core.config.limits().max(axis=0)
@@ -338,6 +338,10 @@ def feature_scale(venv: TransportVecEnv) -> list[float]:
         "own_internal": wrench,
         "partner_internal": others,
     }
+    usual = core.conditions.parameters()
+    body = [1 / (np.abs(value).max() or 1.0) for value in usual.values() if value.ndim == 1]
+    limits = [1 / force, 1 / torque]
+    known["body"] = [*body, 1.0, *limits, *[1.0, 1.0, *limits] * (core.num_agents - 1)]
     bound = np.maximum(np.abs(core.observation.low), np.abs(core.observation.high))
     scale = np.where(np.isfinite(bound) & (bound > 0), 1 / np.maximum(bound, 1e-9), 1.0)
     for name, where in core.observation.blocks.items():

@@ -10,7 +10,9 @@ import gymnasium
 from coopenv import rewards, wrench
 from coopenv.body import Body
 from coopenv.config import TransportConfig
+from coopenv.envs.module import register
 from coopenv.observation import BLOCKS, Block
+from coopenv.randomisation import Ranges
 from coopenv.scene import Box, Scene
 from coopenv.sensor import Sensor
 from coopenv.tasks import Episode, Task, TransportTask, WalkerAvoidTask, WalkerTurnTask
@@ -25,6 +27,7 @@ __all__ = [
     "Body",
     "Box",
     "Episode",
+    "Ranges",
     "Scene",
     "Sensor",
     "State",
@@ -37,6 +40,7 @@ __all__ = [
     "WalkerTurnTask",
     "__version__",
     "beam_transport_v0",
+    "register",
     "rewards",
     "walker_avoid_v0",
     "walker_turn_v0",

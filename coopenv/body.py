@@ -1,11 +1,13 @@
 """The object that is carried: what it weighs, how it drags, where it is held."""
 
-from dataclasses import dataclass
-from typing import Self
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import cos, pi, sin
+from typing import Any, Self
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive
+from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.errors import InvalidInput
 
 Points = tuple[tuple[float, float], ...]
@@ -105,6 +107,45 @@ class Body:
             }
         )
 
+    @classmethod
+    def plate(
+        cls,
+        num_agents: int = 4,
+        *,
+        radius: float | None = None,
+        sides: int = 16,
+        size: tuple[float, float] | None = None,
+        **values,
+    ) -> Self:
+        """A plate that ``num_agents`` hold evenly round its rim, 10 % nearer to the centre than it.
+
+        Parameters
+        ----------
+        num_agents
+            How many; the first holds on the x axis, the others follow counter-clockwise at equal
+            lengths of rim.
+        radius, sides
+            Of a regular polygon [m], 0.75 by default.
+        size
+            Of a rectangle instead, along x and y [m].
+        **values
+            The other fields of `Body`; ``grips`` among them overrides those round the rim.
+        """
+        num_agents = whole(num_agents, "num_agents", at_least=1)
+        if size is not None and radius is not None:
+            raise InvalidInput(
+                f"radius must be left out beside size, got {radius!r} and {size!r}; a plate is a "
+                "polygon or a rectangle"
+            )
+        if size is None:
+            outline = _polygon(0.75 if radius is None else radius, sides)
+        else:
+            outline = _rectangle(size)
+        grips = values.pop("grips", None)
+        if grips is None:
+            grips = np.round(0.9 * _round_the_rim(outline, num_agents), 12) + 0.0
+        return cls(outline=_tuples(outline), grips=grips, **values)
+
     @property
     def num_agents(self) -> int:
         """Number of effectors."""
@@ -115,6 +156,33 @@ class Body:
         """Distance of the outline's farthest point from the centre of mass [m]."""
         return float(np.linalg.norm(self.outline, axis=-1).max())
 
+    @property
+    def length(self) -> float:
+        """Extent of the outline along x [m]."""
+        return max(x for x, _ in self.outline) - min(x for x, _ in self.outline)
+
+
+def copied(body: Body, values: Mapping[str, Any]) -> Body:
+    """A body that differs in ``values``, which are not checked: for those that were before."""
+    made = object.__new__(type(body))
+    for name in _FIELDS:
+        object.__setattr__(made, name, values[name] if name in values else getattr(body, name))
+    return made
+
+
+def second_moments(outline: Points) -> tuple[float, float]:
+    """Second moments of area of a convex outline over its area, of x² and of y² [m²]."""
+    area = along = across = 0.0
+    for (x, y), (u, v) in zip(outline, outline[1:] + outline[:1], strict=True):
+        doubled = x * v - y * u  # area of the triangle with the origin, ×2
+        area += doubled
+        along += doubled * (x * x + x * u + u * u)
+        across += doubled * (y * y + y * v + v * v)
+    return along / area / 6, across / area / 6
+
+
+_FIELDS = tuple(entry.name for entry in fields(Body))
+
 
 def _points(value: object, name: str, *, at_least: int) -> Points:
     array = finite_array(value, name)
@@ -123,7 +191,7 @@ def _points(value: object, name: str, *, at_least: int) -> Points:
             f"{name} must be at least {at_least} points (x, y), got shape {array.shape}; "
             "pass ((x, y), (x, y), ...) in metres"
         )
-    return tuple((float(x), float(y)) for x, y in array)
+    return _tuples(array)
 
 
 def _second_moment(outline: FloatArray) -> float:
@@ -135,8 +203,7 @@ def _second_moment(outline: FloatArray) -> float:
             f"body.outline must be a convex polygon around the centre of mass (0, 0), got "
             f"{outline.tolist()}; list its vertices in order and shift it onto the centre of mass"
         )
-    squares = (outline**2 + outline * following + following**2).sum(axis=1)
-    return float((doubled * squares).sum() / doubled.sum() / 6)
+    return sum(second_moments(_tuples(outline)))
 
 
 def _is_convex(outline: FloatArray) -> bool:
@@ -146,3 +213,35 @@ def _is_convex(outline: FloatArray) -> bool:
     along = (edges * following).sum(axis=1)
     once = abs(np.arctan2(turns, along).sum()) < 3 * np.pi  # a star turns twice or more
     return bool(once and ((turns >= 0).all() or (turns <= 0).all()))
+
+
+def _polygon(radius: float, sides: int) -> FloatArray:
+    """Corners ``(sides, 2)`` [m] of a regular polygon, the first on the x axis."""
+    radius = positive(radius, "radius", unit="m")
+    sides = whole(sides, "sides", at_least=3)
+    angles = [2 * pi * k / sides for k in range(sides)]
+    return radius * np.array([(cos(angle), sin(angle)) for angle in angles])
+
+
+def _rectangle(size: Any) -> FloatArray:
+    """Corners ``(4, 2)`` [m] of a rectangle."""
+    given = finite_array(size, "size")
+    if given.shape != (2,) or (given <= 0).any():
+        raise InvalidInput(f"size must be two positive numbers, got {size!r}; give metres (x, y)")
+    return given / 2 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+
+
+def _round_the_rim(outline: FloatArray, count: int) -> FloatArray:
+    """``count`` points ``(count, 2)`` at equal lengths of rim, from the positive x axis on."""
+    x, y = outline[:, 0], outline[:, 1]
+    first = next(k for k in range(len(outline)) if x[k] > 0 and y[k] >= 0 and y[k - 1] < 0)
+    share = y[first] / (y[first] - y[first - 1])  # of the edge that crosses the axis
+    start = share * outline[first - 1] + (1 - share) * outline[first]
+    path = np.concatenate([[start], np.roll(outline, -first, axis=0), [start]])
+    walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    stops = walked[-1] * np.arange(count) / count
+    return np.stack([np.interp(stops, walked, path[:, k]) for k in range(2)], axis=-1)
+
+
+def _tuples(points: FloatArray) -> Points:
+    return tuple((float(x), float(y)) for x, y in points)

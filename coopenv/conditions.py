@@ -130,6 +130,26 @@ class Conditions:
     plan: FloatArray  # (world, number): what the task drew for itself; see `coopenv.tasks.Episode`
     told: BoolArray  # (world, agent, 2): who is told the goal's place, and its angle
     key: npt.NDArray[np.uint64]  # (world,): what errors of sensors are drawn with; see `Sensor`
+    randomised: bool = False  # whether body and team are drawn anew in every episode
+
+    def parameters(self) -> dict[str, FloatArray]:
+        """What is carried and by how strong a team, by the names of `coopenv.Ranges`.
+
+        ``(world,)`` each; ``grips`` ``(world, agent, 2)`` in the object frame [m], limits
+        ``(world, agent)``. The arrays are the conditions' own.
+        """
+        load, along = self.load, self.load.outline[..., 0]
+        return {
+            "mass": load.mass,
+            "inertia": load.inertia,
+            "linear_drag": load.linear_drag,
+            "angular_drag": load.angular_drag,
+            "friction": load.friction,
+            "length": along.max(axis=1) - along.min(axis=1),
+            "grips": self.team.grips,
+            "force_limit": self.team.limits[..., 0],
+            "torque_limit": self.team.limits[..., 1],
+        }
 
     def take(self, worlds: IntArray) -> "Conditions":
         """Only the given worlds."""

@@ -11,11 +11,14 @@ from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, find_blocks
+from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
 from coopenv.tasks import Task, TransportTask
+from coopenv.variations import Variations
 from coopenv.wrench import Settings
 
+ALIASES = ("max_episode_steps", "max_cycles")  # of the horizon: Gymnasium's word, PettingZoo's
 ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
 
 
@@ -53,6 +56,9 @@ class TransportConfig:
     informed
         Agents that are told the goal, by number; ``None``: all of them, as far as the task tells
         it. To the others the goal reads 0, and so does the ``known`` block.
+    randomise
+        What of body and team every episode draws anew, a `Ranges`; infos then say what was drawn,
+        under ``body``. ``None``: nothing.
 
     Raises
     ------
@@ -74,6 +80,7 @@ class TransportConfig:
     substeps: int = 2
     decomposition: Settings = field(default_factory=Settings)
     informed: Sequence[int] | None = None
+    randomise: Ranges | None = None
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -89,6 +96,8 @@ class TransportConfig:
         _set(self, "dt", positive(self.dt, "dt", unit="seconds"))
         _set(self, "substeps", whole(self.substeps, "substeps", at_least=1))
         _set(self, "decomposition", _built(self.decomposition, "decomposition", Settings))
+        if self.randomise is not None:
+            _set(self, "randomise", _built(self.randomise, "randomise", Ranges))
         self._check_agreement()
 
     @classmethod
@@ -106,7 +115,7 @@ class TransportConfig:
             known.pop("observe", None)
         elif "observe" in keywords:
             known.pop("sensing", None)
-        for alias in ("max_episode_steps", "max_cycles"):
+        for alias in ALIASES:
             steps = known.pop(alias, None)
             if steps is not None:
                 known["horizon"] = steps
@@ -151,8 +160,26 @@ class TransportConfig:
             object.__setattr__(self, name, limit)
         object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
         Observation(self.observe, self.num_agents)  # raises where numbers and features do not match
+        if self.randomise is not None:
+            self._check_ranges(self.randomise, bodies, scenes)
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
+        self.reward.check(self.num_agents)
+
+    def _check_ranges(
+        self, ranges: Ranges, bodies: Sequence[Body], scenes: Sequence[Scene]
+    ) -> None:
+        """Raise where the task cannot be done with what may be drawn."""
+        for body in set(bodies):
+            ranges.check(body)
+        for body, scene in set(_pairs(bodies, scenes)):
+            for extreme in Variations(ranges, body, self.limits()).extremes():
+                try:
+                    self.task.check(extreme, scene)
+                except InvalidInput as error:
+                    raise InvalidInput(
+                        f"randomise must leave the task possible: {error}"
+                    ) from error
 
 
 def _sensed(sensing: str | None, observe: Sequence[Any]) -> Sequence[Any]:

@@ -6,12 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray
+from coopenv.body import Body
 from coopenv.conditions import Conditions, Load, Room, Team
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.scene import WALL_THICKNESS, Scene
 from coopenv.sensor import Sensor
 from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask
+from coopenv.variations import Variations
+from coopenv.wrench import Decomposer
 
 Generators = Sequence[np.random.Generator | None]
 
@@ -30,6 +33,8 @@ class Draws:
     ----------
     changing
         Whether an episode's conditions may differ from those of the one before it.
+    reach
+        Distance of the farthest point of any body that may be drawn from its centre of mass [m].
     """
 
     def __init__(self, config: TransportConfig, num_worlds: int):
@@ -42,7 +47,11 @@ class Draws:
         self._needs_keys = any(
             isinstance(entry, Sensor) and entry.is_random for entry in config.observe
         )
-        self.changing = self._own_boxes > 0 or isinstance(self._task, MovingTask)
+        self._variations = self._varied_by(config)
+        self.changing = (
+            self._own_boxes > 0 or isinstance(self._task, MovingTask) or bool(self._variations)
+        )
+        self.reach = self._farthest()
 
     def first(self) -> Conditions:
         """What holds before the first episode is drawn."""
@@ -58,6 +67,7 @@ class Draws:
             plan=np.zeros((len(bodies), 0)),
             told=np.repeat(self._told[None], len(bodies), axis=0),
             key=np.zeros(len(bodies), dtype=np.uint64),
+            randomised=bool(self._variations),
         )
 
     def next(
@@ -65,10 +75,14 @@ class Draws:
     ) -> tuple[Conditions, FloatArray, FloatArray]:
         """Conditions with the next episodes of ``worlds``, and their starts and goals."""
         chosen = worlds.tolist()
-        episodes = [self._episode(generators[k], k) for k in chosen]
+        carried = [self._carried(generators[k], k) for k in chosen]
+        episodes = [
+            self._episode(generators[k], k, body)
+            for k, (body, _) in zip(chosen, carried, strict=True)
+        ]
         start = np.array([episode.start for episode in episodes]).reshape(-1, 3)
         goal = np.array([episode.goal for episode in episodes]).reshape(-1, 3)
-        if self.changing and chosen:
+        if chosen and (self.changing or any(episode.plan for episode in episodes)):
             plan = np.array([episode.plan for episode in episodes], dtype=np.float64)
             if plan.shape[1] != conditions.plan.shape[1]:
                 conditions = replace(
@@ -76,9 +90,9 @@ class Draws:
                 )
             conditions = conditions.with_worlds(
                 worlds,
-                bodies=[self._bodies[k] for k in chosen],
+                bodies=[body for body, _ in carried],
                 scenes=[self._furnished(k, e) for k, e in zip(chosen, episodes, strict=True)],
-                limits=self._limits[worlds],
+                limits=np.array([limits for _, limits in carried]),
                 plan=plan,
             )
         if self._needs_keys and chosen:  # after all else, which so stays as it is without sensors
@@ -86,9 +100,18 @@ class Draws:
             conditions = conditions.with_keys(worlds, keys)
         return conditions, start, goal
 
-    def _episode(self, generator: np.random.Generator | None, k: int) -> Episode:
+    def _carried(self, generator: np.random.Generator | None, k: int) -> tuple[Body, FloatArray]:
+        """The body of world ``k``'s next episode, and the team's limits ``(agent, 2)``."""
+        body, limits = self._bodies[k], self._limits[k]
+        if not self._variations:
+            return body, limits
         assert generator is not None
-        drawn = self._task.sample(generator, self._bodies[k], self._scenes[k])
+        variations = self._variations[body]
+        return variations(generator.random(variations.count).tolist())
+
+    def _episode(self, generator: np.random.Generator | None, k: int, body: Body) -> Episode:
+        assert generator is not None
+        drawn = self._task.sample(generator, body, self._scenes[k])
         return drawn if isinstance(drawn, Episode) else Episode(start=drawn[0], goal=drawn[1])
 
     def _furnished(self, k: int, episode: Episode) -> Scene:
@@ -109,6 +132,29 @@ class Draws:
                     f"m, got {box}; move or shorten it"
                 )
         return replace(scene, obstacles=scene.obstacles + boxes)
+
+    def _varied_by(self, config: TransportConfig) -> dict[Body, Variations]:
+        """For each body what is drawn of it, nothing without ranges.
+
+        Raises where the decomposition could not work with what is drawn.
+        """
+        if config.randomise is None:
+            return {}
+        varied = {b: Variations(config.randomise, b, config.limits()) for b in set(self._bodies)}
+        grips = [body.grips for each in varied.values() for body in each.samples()]
+        try:
+            Decomposer(grips, config.decomposition)
+        except InvalidInput as error:
+            raise InvalidInput(
+                f"randomise must leave grips that the decomposition can work with: {error}"
+            ) from error
+        return varied
+
+    def _farthest(self) -> float:
+        bodies = set(self._bodies)
+        if self._variations:
+            bodies = {drawn for each in self._variations.values() for drawn in each.extremes()}
+        return max(body.reach for body in bodies)
 
     def _told_by(self, config: TransportConfig) -> np.ndarray:
         told = np.ones((config.num_agents, 2), dtype=np.bool_)

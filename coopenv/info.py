@@ -17,10 +17,13 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
 
     Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]; shares ``(world, agent)`` are
     NaN where undefined; the levels F_I [N] and T_I [N·m], γ, ``success`` and ``contact_impulse``
-    [N·s] are ``(world,)``; ``reward_terms`` maps each name to ``(world, agent)``.
+    [N·s] are ``(world,)``; ``reward_terms`` maps each name to ``(world, agent)``. Where body and
+    team are drawn, ``body`` holds what was: `coopenv.conditions.Conditions.parameters`.
     """
     decomposition = transition.decomposition
     share = decomposition.load_share
+    conditions = transition.conditions
+    drawn = {"body": conditions.parameters()} if conditions.randomised else {}
     return {
         "internal_wrench": decomposition.internal,
         "manipulation_wrench": decomposition.manipulation,
@@ -32,6 +35,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         "reward_terms": parts,
         "success": transition.success,
         "contact_impulse": transition.contact_impulse,
+        **drawn,
     }
 
 

@@ -70,8 +70,9 @@ def coefficients(
         share = np.prod((_FINE[:, None] - others) / (node - others), axis=1)  # Lagrange polynomial
         table[:, NODE_COAST + i] = _coasted(spin_rate, node * step)
         table[:, NODE_TURN + i] = _pushed(spin_rate, node * step) / inertia
-        table[:, NODE_SPEED + i] = decayed @ (share * _FINE_WEIGHTS) * step / weight
-        table[:, NODE_PATH + i] = coasted @ (share * _FINE_WEIGHTS) * step / mass
+        weights = share * _FINE_WEIGHTS  # not by @, whose rounding depends on the number of worlds
+        table[:, NODE_SPEED + i] = (decayed * weights).sum(axis=1) * step / weight
+        table[:, NODE_PATH + i] = (coasted * weights).sum(axis=1) * step / mass
     table[:, MASS], table[:, INERTIA] = mass, inertia
     return table
 

@@ -81,7 +81,13 @@ class Transport:
         self._draws = Draws(self.config, self.num_worlds)
         self.conditions = self._draws.first()
         self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
-        self.world = World(self.bodies, self.scenes, dt=self.dt, substeps=self.substeps)
+        self.world = World(
+            self.bodies,
+            self.scenes,
+            dt=self.dt,
+            substeps=self.substeps,
+            reach=self._draws.reach,
+        )
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         task = self.config.task
@@ -91,6 +97,23 @@ class Transport:
         self._ended, self._any_ended = np.ones(self.num_worlds, dtype=np.bool_), True
         self._obs = np.zeros((0,), dtype=np.float32)
         self._info: Info = {}
+
+    def __reduce__(self):
+        """Copies and pickles of a transport that was not reset yet are made from its configuration.
+
+        Raises
+        ------
+        TypeError
+            If episodes are under way: pymunk does not tell what it remembers of contacts, and the
+            copy would go on differently.
+        """
+        if self.transition is not None:
+            raise TypeError(
+                "a Transport must not have been reset to be copied or pickled, got one with "
+                "episodes under way; copy it before its first reset, or make another from its "
+                "config"
+            )
+        return _made, (type(self), self.num_worlds, self.config)
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -135,8 +158,8 @@ class Transport:
         Raises
         ------
         InvalidInput
-            If an argument has the wrong shape, a start is in something solid, or a world is
-            left that never started.
+            If an argument has the wrong shape, a start or a goal is in something solid, or a
+            world is left that never started.
         """
         worlds = self._marked(mask)
         pose, goal = self._given(pose, "pose"), self._given(goal, "goal")
@@ -145,7 +168,8 @@ class Transport:
                 f"goal must be left to a task whose goal moves, got {goal[0].tolist()}; give the "
                 "task another reference"
             )
-        self._check_start(worlds, pose)
+        self._check_free(worlds, pose, "pose")
+        self._check_free(worlds, goal, "goal")
         self._seed(seed, worlds)
         self.conditions, drawn_pose, drawn_goal = self._draws.next(
             self.conditions, self.generators, worlds
@@ -356,15 +380,15 @@ class Transport:
             )
         return np.broadcast_to(given, (self.num_worlds, 3)).copy()
 
-    def _check_start(self, worlds: IntArray, pose: FloatArray | None) -> None:
-        """Raise where a given start is in a wall, an obstacle or another world's room."""
+    def _check_free(self, worlds: IntArray, pose: FloatArray | None, name: str) -> None:
+        """Raise where a given pose is in a wall, an obstacle or another world's room."""
         if pose is None:
             return
         for k in worlds.tolist():
             if not self.scenes[k].is_free(*pose[k, :2].tolist()):
                 raise InvalidInput(
-                    f"pose must put the centre of mass inside the room of {self.scenes[k].size} m "
-                    f"and off its obstacles, got {pose[k].tolist()} in world {k}; the origin is "
+                    f"{name} must put the centre of mass inside the room of {self.scenes[k].size} "
+                    f"m and off its obstacles, got {pose[k].tolist()} in world {k}; the origin is "
                     "the room's centre"
                 )
 
@@ -381,6 +405,10 @@ class Transport:
                 f"with {len(ended)} ended (the first: {ended[0]}); "
                 "call reset(mask=terminated | truncated)"
             )
+
+
+def _made(kind: type[Transport], num_worlds: int, config: TransportConfig) -> Transport:
+    return kind(num_worlds=num_worlds, config=config)
 
 
 @njit(cache=True)

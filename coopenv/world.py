@@ -47,6 +47,9 @@ class World:
         Control step [s].
     substeps
         Physics steps in a control step.
+    reach
+        Distance of the farthest point of any body there may ever be from its centre of mass [m];
+        ``None``: of those given.
 
     Attributes
     ----------
@@ -58,7 +61,13 @@ class World:
     """
 
     def __init__(
-        self, bodies: Sequence[Body], scenes: Sequence[Scene], *, dt: float, substeps: int
+        self,
+        bodies: Sequence[Body],
+        scenes: Sequence[Scene],
+        *,
+        dt: float,
+        substeps: int,
+        reach: float | None = None,
     ):
         self.bodies, self.scenes = tuple(bodies), tuple(scenes)
         self.num_worlds = len(self.bodies)
@@ -66,11 +75,13 @@ class World:
         self.pose = np.zeros((self.num_worlds, 3))
         self.twist = np.zeros((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
+        reach = max(body.reach for body in self.bodies) if reach is None else reach
         self._shards = [
             _Shard(
                 self.bodies[start : start + SHARD_SIZE],
                 self.scenes[start : start + SHARD_SIZE],
                 self.substep,
+                reach,
             )
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
@@ -86,7 +97,7 @@ class World:
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         """Give ``worlds`` other bodies and obstacles, one entry each; to be placed anew after it.
 
-        Rooms keep their size, and nothing may reach farther than anything did at the start.
+        Rooms keep their size, and nothing may reach farther than what the world was made for.
         """
         self.bodies, self.scenes = (
             _swapped(self.bodies, worlds, bodies),
@@ -141,14 +152,16 @@ class World:
 class _Shard:
     """Worlds far apart on a grid in one pymunk space."""
 
-    def __init__(self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float):
+    def __init__(
+        self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float, reach: float
+    ):
         self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
         self._reach = np.array([body.reach for body in bodies])
         self._table = _table(bodies, substep)
         self.space = pymunk.Space()
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
-        self._origin = _grid(bodies, scenes)
+        self._origin = _grid(scenes, reach)
         self._bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
         for scene, origin in zip(scenes, self._origin, strict=True):
             self._build(scene.walls(), origin, scene.friction)
@@ -272,10 +285,10 @@ def _buffer(num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
     return array, buffer
 
 
-def _grid(bodies: Sequence[Body], scenes: Sequence[Scene]) -> FloatArray:
+def _grid(scenes: Sequence[Scene], reach: float) -> FloatArray:
     """Centres of the worlds ``(world, 2)`` [m], too far apart for anything to reach over."""
     farthest = max(np.abs(solid).max() for scene in scenes for solid in scene.solids())  # [m]
-    pitch = 2 * farthest + 2 * max(body.reach for body in bodies)
-    columns = int(np.ceil(np.sqrt(len(bodies))))
-    index = np.arange(len(bodies))
+    pitch = 2 * farthest + 2 * reach
+    columns = int(np.ceil(np.sqrt(len(scenes))))
+    index = np.arange(len(scenes))
     return pitch * np.stack([index % columns, index // columns], axis=-1).astype(np.float64)

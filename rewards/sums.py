@@ -74,8 +74,24 @@ class RewardSum(Mapping[str, Term]):
     def __len__(self) -> int:
         return len(self._terms)
 
+    def __hash__(self) -> int:
+        return hash(frozenset(self._terms.items()))
+
     def __repr__(self) -> str:
         return f"RewardSum({self._terms!r})"
+
+    def check(self, num_agents: int) -> None:
+        """Ask the terms that have a ``check`` whether they go with a team of that size.
+
+        Raises
+        ------
+        InvalidInput
+            If one does not.
+        """
+        for term in self._terms.values():
+            check = getattr(term, "check", None)
+            if check is not None:
+                check(num_agents)
 
     def with_weights(self, **weights: float) -> "RewardSum":
         """The same terms under other weights, by name; a term that is not there raises."""

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.wrench import Decomposition, Settings
@@ -111,16 +111,23 @@ class LoadShare:
     def __post_init__(self) -> None:
         if self.of not in ("force", "torque"):
             raise InvalidInput(f"of must be 'force' or 'torque', got {self.of!r}; choose one")
+        if self.wanted is not None:
+            wanted = finite_array(self.wanted, "wanted").tolist()
+            object.__setattr__(self, "wanted", tuple(wanted) if np.ndim(wanted) else wanted)
+
+    def check(self, num_agents: int) -> None:
+        """Raise `InvalidInput` unless there is one wanted share, or one an agent."""
+        if np.ndim(self.wanted or 0.0) and np.shape(self.wanted) != (num_agents,):
+            raise InvalidInput(
+                f"wanted must be one number or one for each of {num_agents} agents, got "
+                f"{self.wanted!r}; add or drop entries"
+            )
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
+        self.check(transition.team.num_agents)
         share = getattr(transition.decomposition.load_share, self.of)
         wanted = 1 / transition.team.num_agents if self.wanted is None else np.asarray(self.wanted)
-        if np.ndim(wanted) and np.shape(wanted) != (transition.team.num_agents,):
-            raise InvalidInput(
-                f"wanted must be one number or one for each of {transition.team.num_agents} "
-                f"agents, got {self.wanted!r}; add or drop entries"
-            )
         return np.nan_to_num(-self.weight * np.abs(share - wanted), nan=0.0)
 
 

@@ -1,6 +1,7 @@
 """What several test modules share."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 import coopenv
-from coopenv import BLOCKS, Body, Box, Scene, Sensor, TransportTask
+from coopenv import BLOCKS, Body, Box, Ranges, Scene, Sensor, TransportTask
 from coopenv.observation import ranges
 from coopenv.rewards import PRESETS
 from coopenv.wrench import METHODS, Settings
@@ -39,6 +40,20 @@ QUINTET = Body.beam(
     mass=12.0,
     grips=((-0.8, 0.2), (-0.8, -0.2), (0.0, 0.0), (0.8, 0.2), (0.8, -0.2)),
 )
+
+WIDE = Ranges(  # everything there is, for any of the bodies of the tests
+    mass=(5.0, 12.0),
+    inertia=(1.0, 3.0),
+    linear_drag=(4.0, 12.0),
+    angular_drag=(4.0, 12.0),
+    friction=(0.0, 0.5),
+    length=(1.4, 2.2),
+    grips=((-0.04, 0.04), (-0.02, 0.02)),
+    force_limit=(8.0, 12.0),
+    torque_limit=(3.0, 6.0),
+    logarithmic=("mass",),
+)
+ALONG = replace(WIDE, grips=((-0.04, 0.04), (0.0, 0.0)))  # grips stay on the beam's axis
 
 FORCES_ONLY = ("max_internal", "net_force", "one_dimensional")  # raise where torque is applied
 
@@ -87,6 +102,9 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "other task": {"task": TransportTask(position_tolerance=0.5, clearance=0.3, min_distance=2.0)},
     "one agent": {"body": Body(grips=((0.4, 0.0),))},
     "three agents": {"body": TRIO},
+    "plate of four": {"body": Body.plate(4)},
+    "randomised": {"randomise": ALONG},
+    "randomised plate": {"body": Body.plate(3), "randomise": WIDE, "observe": ("goal", "body")},
     "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
 }
 

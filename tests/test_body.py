@@ -103,3 +103,49 @@ def test_a_body_that_cannot_be_is_refused_by_the_name_of_its_fault(values, named
 def test_a_beam_without_extent_is_refused(size, named):
     with pytest.raises(InvalidInput, match=rf"body\.{named} must be positive"):
         Body.beam(**{size: 0.0})
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 8, 13])
+@pytest.mark.parametrize(
+    "shape", [{}, {"radius": 0.4, "sides": 5}, {"radius": 2.0, "sides": 3}, {"size": (1.2, 0.7)}]
+)
+def test_a_plate_is_held_evenly_round_its_rim(count, shape):
+    plate = Body.plate(count, **shape)
+    assert plate.num_agents == count
+    rim, grips = np.array(plate.outline), np.array(plate.grips) / 0.9
+    edges = np.roll(rim, -1, axis=0) - rim
+    lengths = np.linalg.norm(edges, axis=1)
+    walked = []
+    for grip in grips:  # how far along the rim each grip is
+        along = ((grip - rim) * edges).sum(axis=1) / lengths
+        off = np.abs(edges[:, 0] * (grip - rim)[:, 1] - edges[:, 1] * (grip - rim)[:, 0]) / lengths
+        on = (off < 1e-9) & (along > -1e-9) & (along < lengths + 1e-9)
+        edge = int(np.flatnonzero(on)[0])
+        walked.append(lengths[:edge].sum() + along[edge])
+    assert grips[0, 0] > 0
+    assert grips[0, 1] == pytest.approx(0.0, abs=1e-9)
+    around = lengths.sum()
+    gaps = (np.roll(walked, -1) - walked) % around
+    np.testing.assert_allclose(gaps, around / count if count > 1 else 0.0, atol=1e-9)
+
+
+def test_a_plate_takes_the_other_fields_and_grips_of_its_own():
+    plate = Body.plate(3, radius=0.5, mass=2.0, grips=((0.1, 0.0), (0.0, 0.1)))
+    assert (plate.mass, plate.num_agents) == (2.0, 2)
+    disc = Body.plate(2, radius=0.5, sides=200, mass=2.0)
+    assert disc.inertia == pytest.approx(2.0 * 0.5**2 / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"num_agents": 0}, "num_agents must be a whole number of at least 1"),
+        ({"radius": -1.0}, "radius must be positive"),
+        ({"sides": 2}, "sides must be a whole number of at least 3"),
+        ({"size": (1.0, 0.0)}, "size must be two positive numbers"),
+        ({"size": (1.0, 1.0), "radius": 1.0}, "radius must be left out beside size"),
+    ],
+)
+def test_a_plate_that_cannot_be_is_refused(values, named):
+    with pytest.raises(InvalidInput, match=named):
+        Body.plate(**values)

@@ -43,6 +43,7 @@ def test_a_configuration_cannot_be_changed_but_by_replacing():
         config.horizon = 3  # pyright: ignore[reportAttributeAccessIssue]
     assert dataclasses.replace(config, horizon=3).horizon == 3
     assert dataclasses.replace(config) == config
+    assert hash(dataclasses.replace(config)) == hash(config)
 
 
 @pytest.mark.parametrize(

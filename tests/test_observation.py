@@ -50,6 +50,22 @@ def wrenches_seen(core, wrench):
     return seen
 
 
+def body_seen(core):
+    """The ``body`` block, agent by agent."""
+    limits = core.config.limits()
+    seen = np.empty((core.num_worlds, core.num_agents, 6 + 4 * core.num_agents))
+    for k, body in enumerate(core.bodies):
+        seen[k, :, :5] = body.mass, body.inertia, body.linear_drag, body.angular_drag, body.friction
+        seen[k, :, 5] = np.ptp(np.array(body.outline)[:, 0])
+        for i in range(core.num_agents):
+            for j in range(core.num_agents):
+                other = (i + j) % core.num_agents
+                grip = seen_along(np.array(body.grips[other]), own_angles(core)[k, i])
+                seen[k, i, 6 + 4 * j : 10 + 4 * j] = *grip, *limits[other]
+    np.testing.assert_allclose(seen[..., 7], 0.0, atol=1e-12)  # an agent's x runs through its grip
+    return np.delete(seen, 7, axis=-1)
+
+
 @pytest.mark.parametrize("team", TEAMS)
 def test_every_block_is_what_it_says(team):
     core, transition, obs = moved(TEAMS[team])
@@ -74,6 +90,7 @@ def test_every_block_is_what_it_says(team):
         "load_share": np.stack([share.force, share.torque], axis=-1),
         "relative_cost": transition.decomposition.relative_cost[:, None, None].repeat(count, 1),
         "known": np.ones((4, count, 2)),
+        "body": body_seen(core),
         "time": np.full((4, count, 1), 1 - 7 / core.horizon),
         **seen,
     }
@@ -181,7 +198,7 @@ def test_a_block_that_reads_another_shape_than_it_says_is_refused():
 
 def test_an_unknown_block_lists_the_known_ones():
     with pytest.raises(
-        UnknownName, match=r"got 'partner'; .*known: goal, known, load_share, obstacles, own_"
+        UnknownName, match=r"got 'partner'; .*known: body, goal, known, load_share, obstacles, own_"
     ):
         Observation(["partner"], 2)
 

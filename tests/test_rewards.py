@@ -222,3 +222,19 @@ def test_a_term_of_another_shape_is_refused_by_name(value):
 def test_a_weight_that_is_no_finite_number_is_refused(weight):
     with pytest.raises(InvalidInput, match="weight of reward 'success'"):
         rewards.RewardSum({"success": rewards.Success(weight=weight)})
+
+
+@pytest.mark.parametrize("wanted", [(0.5,), (0.2, 0.3, 0.5), [[0.5, 0.5]]])
+def test_a_load_share_for_another_team_is_refused_at_construction(wanted):
+    term = rewards.LoadShare(wanted=wanted)
+    with pytest.raises(InvalidInput, match="wanted must be one number or one for each of 2 agents"):
+        Transport(reward=term)
+    with pytest.raises(InvalidInput, match="wanted must be"):
+        Transport(reward={"load": term})
+
+
+def test_sums_and_terms_hash_as_they_compare():
+    one, same = (rewards.RewardSum({"load": rewards.LoadShare(wanted=[0.2, 0.8])}) for _ in "ab")
+    assert one == same
+    assert hash(one) == hash(same)
+    assert len({*rewards.PRESETS.values(), one}) == len(rewards.PRESETS) + 1

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
 from helpers import (
+    ALONG,
     CLUTTERED,
     EASY,
     IDS,
@@ -31,6 +32,8 @@ AGREEING = [
     "uneven limits",
     "one agent",
     "three agents",
+    "plate of four",
+    "randomised",
 ]
 
 
@@ -190,6 +193,7 @@ VECTORED = {
     "blocks": {"reward": "harmony", "observe": ("goal", "twist", "load_share", "time")},
     "cluttered": {"scene": CLUTTERED, "action": "force"},
     "three": {"body": TRIO},
+    "randomised": {"randomise": ALONG, "observe": ("goal", "body")},
 }
 
 
@@ -243,7 +247,7 @@ def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
     keywords = {"horizon": 6, "scene": OPEN_ROOM}
     vector = gymnasium.make_vec(view, num_envs=3, autoreset_mode="SameStep", **keywords)
     singles = [gymnasium.make(view, **keywords) for _ in range(3)]
-    still = np.zeros((3, 6), dtype=np.float32)
+    still = np.zeros(vector.action_space.shape, dtype=np.float32)  # pyright: ignore[reportArgumentType]
     seen = [vector.reset(seed=20)[0], *(vector.step(still)[0] for _ in range(18))]
     for k, single in enumerate(singles):
         np.testing.assert_array_equal(seen[0][k], single.reset(seed=20 + k)[0])

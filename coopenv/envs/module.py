@@ -1,5 +1,6 @@
 """What every environment id consists of: its defaults, and the views that start from them."""
 
+import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -10,8 +11,9 @@ from pettingzoo import AECEnv
 from coopenv.config import TransportConfig
 from coopenv.envs.parallel import TransportParallelEnv, aec
 from coopenv.envs.single import TransportEnv
+from coopenv.envs.spec import defaults_of
 from coopenv.envs.vector import TransportVectorEnv
-from coopenv.errors import UnknownName
+from coopenv.errors import InvalidInput, UnknownName
 
 PREFIX = "coopenv/"
 
@@ -46,20 +48,121 @@ def views(name: str, defaults: Mapping[str, Any]) -> Views:
 
     for made, kind in ((single_env, TransportEnv), (vector_env, TransportVectorEnv)):
         vars(made)["metadata"] = kind.metadata  # gymnasium.make reads render modes off it
+    vars(single_env)["defaults"] = defaults  # find_config reads them
     return Views(parallel_env, env, single_env, vector_env)
 
 
+_REGISTERED: dict[str, Views] = {}
+
+
+def register(id: str, **defaults: Any) -> Views:
+    """Give an environment of your own a Gymnasium id, and all its views.
+
+    Parameters
+    ----------
+    id
+        For example ``"mine/Lift-v0"``. ``gymnasium.make("my_module:mine/Lift-v0")`` imports the
+        module that registers it first.
+    **defaults
+        Fields of `coopenv.TransportConfig` in which it differs, a task above all. Keywords of a
+        view override them.
+
+    Returns
+    -------
+    ``parallel_env, env, single_env, vector_env``.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        If the defaults do not make a configuration.
+
+    Examples
+    --------
+    >>> lift = register("mine/Lift-v0", body=Body.plate(3), horizon=300)
+    >>> gymnasium.make_vec("mine/Lift-v0", num_envs=16).unwrapped.transport.num_agents
+    3
+    >>> lift.parallel_env().possible_agents
+    ['agent_0', 'agent_1', 'agent_2']
+    """
+    if not isinstance(id, str) or not id or ":" in id:
+        raise InvalidInput(f"id must be a name without a colon, got {id!r}; see gymnasium.register")
+    TransportConfig.parse({}, defaults)
+    module = sys._getframe(1).f_globals.get("__name__", "__main__")
+    gymnasium.register(
+        id=id,
+        entry_point=f"{__name__}:single_env",
+        vector_entry_point=f"{__name__}:vector_env",
+        kwargs={"registered": f"{module}:{id}"},
+    )
+    _REGISTERED[id] = views(id.rpartition("/")[2], defaults)
+    return _REGISTERED[id]
+
+
+def single_env(*, registered: str, **keywords: Any) -> TransportEnv:
+    """The Gymnasium view of what `register` was told as ``"module:id"``."""
+    return _registered(registered).single_env(**keywords)
+
+
+def vector_env(num_envs: int = 1, *, registered: str, **keywords: Any) -> TransportVectorEnv:
+    """The Gymnasium vector view of what `register` was told as ``"module:id"``."""
+    return _registered(registered).vector_env(num_envs, **keywords)
+
+
+for _made, _kind in ((single_env, TransportEnv), (vector_env, TransportVectorEnv)):
+    vars(_made)["metadata"] = _kind.metadata
+
+
+def _defaults(kwargs: Mapping[str, Any]) -> Mapping[str, Any]:
+    return vars(_registered(kwargs["registered"]).single_env)["defaults"]
+
+
+vars(single_env)["defaults"] = _defaults
+
+
 def find_config(env: str, keywords: Mapping[str, Any]) -> TransportConfig:
-    """The configuration behind a Gymnasium id of this package and keywords.
+    """The configuration behind a Gymnasium id and keywords.
+
+    Parameters
+    ----------
+    env
+        An id of this package or one given by `register`; ``"module:id"`` imports the module that
+        registers it first.
+    keywords
+        Fields of `coopenv.TransportConfig`, over those of the id.
 
     Raises
     ------
     UnknownName
-        If there is no such id.
+        If there is no such id, or it is not of this package's making.
+    InvalidInput
+        If the module cannot be imported.
     """
-    ours = [name for name in gymnasium.registry if name.startswith(PREFIX)]
-    if env not in ours:
-        raise UnknownName("env", env, ours)
-    spec = gymnasium.spec(env)
-    module = import_module(str(spec.entry_point).partition(":")[0])
-    return TransportConfig.parse({**spec.kwargs, **keywords}, module.DEFAULTS)
+    module, _, name = env.rpartition(":")
+    if module:
+        _import(module)
+    spec = gymnasium.registry.get(name)
+    defaults = None if spec is None else defaults_of(spec)
+    if spec is None or defaults is None:
+        ours = [known for known in gymnasium.registry if known.startswith(PREFIX)]
+        raise UnknownName("env", env, [*ours, *_REGISTERED])
+    own = {key: value for key, value in spec.kwargs.items() if key != "registered"}
+    return TransportConfig.parse({**own, **keywords}, defaults)
+
+
+def _registered(name: str) -> Views:
+    module, _, id = name.rpartition(":")
+    if id not in _REGISTERED:
+        _import(module)
+    if id not in _REGISTERED:
+        raise UnknownName("env", id, _REGISTERED)
+    return _REGISTERED[id]
+
+
+def _import(module: str) -> None:
+    try:
+        import_module(module)
+    except ModuleNotFoundError as error:
+        raise InvalidInput(
+            f"the module of an id must be importable, got {module!r} ({error}); put its folder on "
+            "PYTHONPATH, or import it before"
+        ) from error

@@ -17,10 +17,11 @@ from coopenv.envs.common import (
     team_actions,
     team_observation_space,
 )
+from coopenv.envs.spec import Specified
 from coopenv.transport import Transport
 
 
-class TransportEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
+class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
     """A team carries an object, driven by one joint action.
 
     Observation: the blocks of agent 0, then of agent 1, …; `observation_blocks` maps each name to

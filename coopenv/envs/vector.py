@@ -18,12 +18,13 @@ from coopenv.envs.common import (
     team_actions,
     team_observation_space,
 )
+from coopenv.envs.spec import Specified
 from coopenv.errors import UnknownName
 from coopenv.info import UNDEFINED_AT_START, Info
 from coopenv.transport import Seed, Transport
 
 
-class TransportVectorEnv(gymnasium.vector.VectorEnv):
+class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):
     """``num_envs`` worlds stepped together; spaces and rewards as in `TransportEnv`.
 
     Parameters
