@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.config import TransportConfig
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
+from coopenv.logs.command import Decompose
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -128,7 +129,11 @@ class Evaluate:
         return self.environment
 
 
-COMMANDS: dict[str, type[Command]] = {"train": Train, "evaluate": Evaluate}
+COMMANDS: dict[str, type[Command]] = {
+    "train": Train,
+    "evaluate": Evaluate,
+    "decompose": Decompose,
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
