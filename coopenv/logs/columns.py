@@ -101,9 +101,11 @@ def plan(path: str, columns: Sequence[str], layout: Layout, grips: bool = False)
         If a column is missing or said twice; the message names the nearest there is.
     """
     found = _find(path, columns, layout)
+    need = _Need(path, columns, found)
+    for name in ("f1x", "f1y"):
+        need(name)
     count = _count(found)
     dimension = _dimension(found, layout, count)
-    need = _Need(path, columns, found)
     if layout.grips is not None and grips:
         raise InvalidInput(f"grips must be said once, got them in {path} too; leave them out")
     made = Plan(
@@ -198,9 +200,9 @@ def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
 
 
 def _count(found: dict[str, str]) -> int:
-    """Number of effectors; at least 1, so that there is something to miss."""
+    """Number of effectors."""
     matches = [EFFECTOR.fullmatch(name) for name in found]
-    return max([1, *(int(match[2]) for match in matches if match is not None)])
+    return max(int(match[2]) for match in matches if match is not None)
 
 
 def _poses(made: Plan, layout: Layout, twist: bool) -> list[str]:

@@ -4,7 +4,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 
-BINS = 2_000  # kept at least, twice as many at most; a wide picture has fewer pixels
+BINS = 400  # kept at least, twice as many at most: a panel is some 700 pixels wide
 
 
 class Envelope:
@@ -21,20 +21,20 @@ class Envelope:
         self._count = 0
 
     def add(self, x: FloatArray, values: FloatArray) -> None:
-        """Append rows: ``x`` ``(T,)``, curves ``(T, m)``; NaN leaves gaps."""
+        """Append rows: ``x`` ``(T,)``, curves ``(m, T)``; NaN leaves gaps."""
         finite = np.isfinite(values)
         bins = (x, values, values, np.where(finite, values, 0.0), finite.astype(np.float64))
         self._append(bins, self.rows_a_bin)
         while self._count > 2 * self._bins:
-            whole = tuple(np.concatenate(part) for part in zip(*self._parts, strict=True))
+            whole = tuple(np.concatenate(part, -1) for part in zip(*self._parts, strict=True))
             self._parts, self._count = [], 0
             self.rows_a_bin *= 2
             self._append(whole, 2)
 
     def curves(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """x ``(b,)`` where each bin begins; least, largest and mean of each curve ``(b, m)``."""
+        """x ``(b,)`` where each bin begins; least, largest and mean of each curve ``(m, b)``."""
         x, low, high, total, count = (
-            np.concatenate(part) for part in zip(*self._parts, strict=True)
+            np.concatenate(part, -1) for part in zip(*self._parts, strict=True)
         )
         mean = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
         return x, low, high, mean
@@ -44,10 +44,10 @@ class Envelope:
         first = np.arange(0, len(x), every)
         merged = (
             np.fmin.reduceat(x, first),
-            np.fmin.reduceat(low, first),
-            np.fmax.reduceat(high, first),
-            np.add.reduceat(total, first),
-            np.add.reduceat(count, first),
+            np.fmin.reduceat(low, first, axis=-1),
+            np.fmax.reduceat(high, first, axis=-1),
+            np.add.reduceat(total, first, axis=-1),
+            np.add.reduceat(count, first, axis=-1),
         )
         self._parts.append(merged)
         self._count += len(first)

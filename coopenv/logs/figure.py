@@ -64,7 +64,7 @@ class Picture:
                 recording.num_effectors, dimension, recording.twist is not None
             )
         curves = [curve for panel in self._panels for curve in panel.curves]
-        values = np.stack([_values(analysis, curve) for curve in curves], axis=-1)
+        values = np.stack([_values(analysis, curve) for curve in curves])
         self._envelope.add(self._axis.of(recording), values)
 
     def draw(self, path: Path) -> None:
@@ -81,7 +81,7 @@ class Picture:
         at = 0
         for axes, panel in zip(grid.flat, self._panels, strict=False):
             chosen = slice(at, at + len(panel.curves))
-            _draw(axes, panel, x, low[:, chosen], high[:, chosen], mean[:, chosen], every > 1)
+            _draw(axes, panel, x, low[chosen], high[chosen], mean[chosen], every > 1)
             for start in self._axis.starts if len(self._axis.starts) <= MARKED_TRIALS else ():
                 axes.axvline(start, color="0.6", linewidth=0.6, zorder=0)
             at = chosen.stop
@@ -152,8 +152,8 @@ def _draw(
     for j, curve in enumerate(panel.curves):
         if thinned:
             band: Any = axes.fill_between
-            band(x, low[:, j], high[:, j], color=curve.colour, alpha=0.2, linewidth=0)
-        axes.plot(x, mean[:, j], color=curve.colour, linestyle=curve.style, linewidth=1.1,
+            band(x, low[j], high[j], color=curve.colour, alpha=0.2, linewidth=0)
+        axes.plot(x, mean[j], color=curve.colour, linestyle=curve.style, linewidth=1.1,
                   label=curve.label or None)  # fmt: skip
     axes.set_ylabel(panel.label)
     axes.grid(alpha=0.3)

@@ -139,8 +139,8 @@ class Reader:
             readable = chunk.fields == 0 if chunk.fields is not None else np.ones(chunk.rows, np.bool_)
             trial, starts, previous = trials.of(chunk.carried, time, readable)
             good = self.faults.good_rows(chunk, starts, previous)
-            yield self._converted(chunk, trial, good)
             self.progress, rows = chunk.progress, rows + chunk.rows
+            yield self._converted(chunk, trial, good)
         if not rows:
             raise InvalidInput(f"{self.path} must have rows of data, got none; record some")
 

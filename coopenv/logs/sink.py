@@ -6,6 +6,7 @@ import shutil
 import tempfile
 import zipfile
 from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import IO, Any, Protocol
 
@@ -42,6 +43,8 @@ class CsvSink:
             raise MissingExtra("writing CSV", "analysis") from error
         self._file = path.open("wb")
         self._begun = False
+        self._pool = ThreadPoolExecutor(1)  # writes numbers as text while the next are computed
+        self._pending: Future[None] | None = None
 
     def write(self, columns: Mapping[str, Column]) -> None:
         """Append rows."""
@@ -53,11 +56,25 @@ class CsvSink:
             self._file.write(header.getvalue().encode())
             self._begun = True
         arrays = [pa.array(values, from_pandas=True) for values in columns.values()]
-        self._file.write(_csv_text(pa.table(arrays, names=list(columns))))
+        self._wait()
+        self._pending = self._pool.submit(self._append, pa.table(arrays, names=list(columns)))
 
     def close(self) -> None:
         """Finish the file."""
-        self._file.close()
+        try:
+            self._wait()
+        finally:
+            self._pool.shutdown()
+            self._file.close()
+
+    def _append(self, table: Any) -> None:
+        self._file.write(_csv_text(table))
+
+    def _wait(self) -> None:
+        """Until the rows before are written; raises what went wrong with them."""
+        if self._pending is not None:
+            self._pending.result()
+            self._pending = None
 
 
 class ParquetSink:

@@ -63,14 +63,16 @@ class Summary:
     def print(self, console: "Console") -> None:
         """For people."""
         try:
+            from rich.box import SIMPLE_HEAD
             from rich.table import Table
         except ImportError as error:
             raise MissingExtra("the summary", "analysis") from error
         for line in self._lines():
             console.print(line, markup=False, highlight=False)
-        table = Table("", *("mean", "median", "5 %", "95 %", "largest", "undefined"))
-        for column in table.columns[1:]:
-            column.justify = "right"
+        table = Table(box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False)
+        table.add_column("", no_wrap=True)
+        for title in ("mean", "median", "5 %", "95 %", "largest", "undefined"):
+            table.add_column(title, justify="right", no_wrap=True)
         for seen in self.measures:
             name = seen.name + (f" [{seen.unit}]" if seen.unit else "")
             numbers = (seen.mean, seen.median, seen.low, seen.high, seen.largest)
