@@ -72,11 +72,15 @@ class Picture:
         from matplotlib.figure import Figure
 
         rows = (len(self._panels) + 1) // 2
-        figure = Figure(figsize=(14, 1.0 + 2.0 * rows), layout="constrained")
+        height = 1.0 + 2.0 * rows  # [inch]
+        figure = Figure(figsize=(14, height))
+        room = {"bottom": 0.55 / height, "top": 1 - 0.45 / height, "left": 0.065, "right": 0.99}
         every = self._envelope.rows_a_bin
         note = f"; lines: means, bands: extremes of {every} rows each" * (every > 1)
-        figure.suptitle(self._title + note, fontsize="medium")
-        grid: Any = figure.subplots(rows, 2, sharex=True, squeeze=False)
+        figure.suptitle(self._title + note, fontsize="medium", y=1 - 0.12 / height, va="top")
+        grid: Any = figure.subplots(
+            rows, 2, sharex=True, squeeze=False, gridspec_kw={**room, "hspace": 0.1, "wspace": 0.13}
+        )
         x, low, high, mean = self._envelope.curves()
         at = 0
         for axes, panel in zip(grid.flat, self._panels, strict=False):
