@@ -23,7 +23,10 @@ def _extra():
 @pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("out", FORMATS)
 def test_every_format_holds_what_decompose_says(suffix, out, tmp_path):
-    columns = cases.planar() | {"trial": np.repeat([1, 2], 20), "who": np.repeat(["ann", "b c"], 20)}
+    columns = cases.planar() | {
+        "trial": np.repeat([1, 2], 20),
+        "who": np.repeat(["ann", "b c"], 20),
+    }
     path = cases.save(columns, tmp_path / f"trial{suffix}")
     summary = decompose_file(path, tmp_path / f"out{out}", layout=BEAM, picture=False)
     table = cases.load(summary.table)
@@ -94,9 +97,7 @@ def test_any_number_of_effectors_in_plane_and_space(columns, tmp_path):
         grips = np.array([[columns[f"r{i + 1}{a}"][0] for a in "xyz"] for i in range(count)])
     split = wrench.decompose(cases.wrench(columns), grips)
     np.testing.assert_allclose(table["relative_cost"], split.relative_cost, atol=1e-6)
-    np.testing.assert_allclose(
-        cases.wrench(table, "internal_"), split.internal, atol=1e-5
-    )
+    np.testing.assert_allclose(cases.wrench(table, "internal_"), split.internal, atol=1e-5)
     assert max(summary.worst) < 1e-6
 
 

@@ -152,9 +152,7 @@ def test_a_layout_is_read_from_a_file_and_options_win(tmp_path):
     )
     for name in ("a.json", "a.toml"):
         layout = Layout.load(tmp_path / name, frame="object", columns={"f1y": "F_y"})
-        assert layout == Layout(
-            grips=((-1, 0), (1, 0)), columns={"f1x": "Fx", "f1y": "F_y"}
-        )
+        assert layout == Layout(grips=((-1, 0), (1, 0)), columns={"f1x": "Fx", "f1y": "F_y"})
     (tmp_path / "b.toml").write_text('fram = "world"')
     with pytest.raises(UnknownName, match="did you mean 'frame'"):
         Layout.load(tmp_path / "b.toml")

@@ -147,9 +147,7 @@ class _Lines:
         if b'"' in block:
             self._count_quoted()
         length = self.ends - self.starts
-        self.kept: BoolArray = (length > 1) | (
-            (length == 1) & (self._codes[self.starts] != RETURN)
-        )
+        self.kept: BoolArray = (length > 1) | ((length == 1) & (self._codes[self.starts] != RETURN))
         self.good: BoolArray = self.kept & (self.fields == len(source.columns))
         self.rows = int(self.kept.sum())
 

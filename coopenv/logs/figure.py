@@ -60,9 +60,7 @@ class Picture:
         """Append rows."""
         if not self._panels:
             dimension = recording.grips.shape[-1]
-            self._panels = panels(
-                recording.num_effectors, dimension, recording.twist is not None
-            )
+            self._panels = panels(recording.num_effectors, dimension, recording.twist is not None)
         curves = [curve for panel in self._panels for curve in panel.curves]
         values = np.stack([_values(analysis, curve) for curve in curves])
         self._envelope.add(self._axis.of(recording), values)
@@ -97,7 +95,11 @@ class Picture:
 def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
     """What is drawn: forces on the left, torques on the right."""
     made = []
-    for prefix, name in (("", "applied"), ("manipulation_", "manipulation"), ("internal_", "internal")):
+    for prefix, name in (
+        ("", "applied"),
+        ("manipulation_", "manipulation"),
+        ("internal_", "internal"),
+    ):
         for kind, axes, unit in (("f", AXES, "force [N]"), ("t", TORQUES, "torque [N·m]")):
             curves = _wrench_curves(prefix, kind, num_effectors, axes[dimension])
             made.append(Panel(f"{name}\n{unit}", curves))
@@ -114,7 +116,9 @@ def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
     return made
 
 
-def _wrench_curves(prefix: str, kind: str, num_effectors: int, axes: tuple[str, ...]) -> list[Curve]:
+def _wrench_curves(
+    prefix: str, kind: str, num_effectors: int, axes: tuple[str, ...]
+) -> list[Curve]:
     """Components, or norms where there would be too many of them."""
     if num_effectors * len(axes) > COMPONENTS:
         return [
@@ -132,8 +136,7 @@ def _wrench_curves(prefix: str, kind: str, num_effectors: int, axes: tuple[str, 
 
 def _shares(name: str, num_effectors: int) -> list[Curve]:
     return [
-        Curve(f"effector {i + 1}", (f"{name}_{i + 1}",), f"C{i % 10}")
-        for i in range(num_effectors)
+        Curve(f"effector {i + 1}", (f"{name}_{i + 1}",), f"C{i % 10}") for i in range(num_effectors)
     ]
 
 

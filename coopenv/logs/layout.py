@@ -181,7 +181,9 @@ def _load(path: Path) -> dict[str, Any]:
         elif path.suffix == ".toml":
             content = tomllib.loads(path.read_text(encoding="utf-8"))
         else:
-            raise InvalidInput(f"layout must be a .toml or .json file, got {str(path)!r}; rename it")
+            raise InvalidInput(
+                f"layout must be a .toml or .json file, got {str(path)!r}; rename it"
+            )
     except (OSError, ValueError) as error:
         if isinstance(error, InvalidInput):
             raise

@@ -136,9 +136,7 @@ def _block_columns(name: str, shape: tuple[int, ...]) -> dict[str, tuple[int, ..
     if len(shape) != 2 or axes is None or (name == "torque" and shape[-1] != 3):
         return None
     kind = {"force": "f", "torque": "t", "grips": "r"}[name]
-    return {
-        f"{kind}{i + 1}{axis}": (i, j) for i in range(shape[0]) for j, axis in enumerate(axes)
-    }
+    return {f"{kind}{i + 1}{axis}": (i, j) for i in range(shape[0]) for j, axis in enumerate(axes)}
 
 
 class _Array:

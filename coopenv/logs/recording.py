@@ -136,7 +136,9 @@ class Reader:
         rows = 0
         for chunk in self._source.chunks(list(plan.source.values()), plan.carried):
             time = chunk.numbers[time_column] if time_column else np.full(chunk.rows, np.nan)
-            readable = chunk.fields == 0 if chunk.fields is not None else np.ones(chunk.rows, np.bool_)
+            readable = (
+                chunk.fields == 0 if chunk.fields is not None else np.ones(chunk.rows, np.bool_)
+            )
             trial, starts, previous = trials.of(chunk.carried, time, readable)
             good = self.faults.good_rows(chunk, starts, previous)
             self.progress, rows = chunk.progress, rows + chunk.rows
