@@ -18,11 +18,10 @@ PAGE = Path(__file__).parents[1] / "docs" / "recordings.md"
 def tables() -> dict[str, str]:
     """Markdown of each table by the name of its mark."""
     units = [(f"`{name}`", ", ".join(known)) for name, known in UNITS.items()]
-    results = [(f"`{name}", unit, meaning) for name, unit, meaning in RESULTS]
     return {
         "columns": _markdown(("in the plane", "in space", "unit", "what"), INPUT),
         "units": _markdown(("field, option", "known, the first is the default"), units),
-        "results": _markdown(("column", "unit", "what"), results),
+        "results": _markdown(("column", "unit", "what"), RESULTS),
     }
 
 

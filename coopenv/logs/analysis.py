@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
-from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.errors import MissingExtra
 from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
 from coopenv.logs.recording import Recording
 from coopenv.logs.source import Column
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     import pandas
 
 RESULTS = (  # name, unit, meaning
-    ("manipulation_f1x` …", "N, N·m", "manipulation wrench h_M of each effector (eq. 5)"),
-    ("internal_f1x` …", "N, N·m", "internal wrench h_I of each effector (eq. 5)"),
-    ("internal_force_level", "N", "F_I = ½ Σ‖f_I,i‖ (eq. 28)"),
-    ("internal_torque_level", "N·m", "T_I = ½ Σ‖r_i × f_I,i + t_I,i‖ (eq. 28)"),
-    ("relative_cost", "", "γ = 1 − J(h_M)/J(h): the part that was compensated (eq. 29)"),
-    ("force_load_share_1` …", "", "part of the resultant force that each supplies (eq. 25)"),
-    ("torque_load_share_1` …", "", "the same of the torque (eq. 25)"),
-    ("energy_share_1` …", "", "part of the object's power that each supplies (eq. 26)"),
-    ("linear_energy_share_1` …", "", "the same of the power of translation (eq. 27)"),
-    ("angular_energy_share_1` …", "", "the same of the power of rotation (eq. 27)"),
-    ("internal_power", "W", "power passed between effectors, ½(Σ|Ė_i| − |ΣĖ_i|)"),
-    ("cost", "N", "J(h_M) (eq. 17)"),
-    ("applied_cost", "N", "J(h) (eq. 17)"),
-    ("gap", "N", "bound on how much the cost exceeds the optimum"),
+    ("`manipulation_f1x` …", "N, N·m", "manipulation wrench h_M of each effector (eq. 5)"),
+    ("`internal_f1x` …", "N, N·m", "internal wrench h_I of each effector (eq. 5)"),
+    ("`internal_force_level`", "N", "F_I = ½ Σ‖f_I,i‖ (eq. 28)"),
+    ("`internal_torque_level`", "N·m", "T_I = ½ Σ‖r_i × f_I,i + t_I,i‖ (eq. 28)"),
+    ("`relative_cost`", "", "γ = 1 − J(h_M)/J(h): the part that was compensated (eq. 29)"),
+    ("`force_load_share_1` …", "", "part of the resultant force that each supplies (eq. 25)"),
+    ("`torque_load_share_1` …", "", "the same of the torque (eq. 25)"),
+    ("`energy_share_1` …", "", "part of the object's power that each supplies (eq. 26)"),
+    ("`linear_energy_share_1` …", "", "the same of the power of translation (eq. 27)"),
+    ("`angular_energy_share_1` …", "", "the same of the power of rotation (eq. 27)"),
+    ("`internal_power`", "W", "power passed between effectors, ½(Σ|Ė_i| − |ΣĖ_i|)"),
+    ("`cost`", "N", "J(h_M) (eq. 17)"),
+    ("`applied_cost`", "N", "J(h) (eq. 17)"),
+    ("`gap`", "N", "bound on how much the cost exceeds the optimum"),
 )
 """What the table adds to a recording, for the page on recordings."""
 

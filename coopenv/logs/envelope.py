@@ -32,7 +32,7 @@ class Envelope:
             self._append(whole, 2)
 
     def curves(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """x ``(b,)`` where each bin begins; least, largest and mean of each curve ``(m, b)``."""
+        """Where each bin begins, x ``(b,)``; least, largest and mean of each curve ``(m, b)``."""
         x, low, high, total, count = (
             np.concatenate(part, -1) for part in zip(*self._parts, strict=True)
         )

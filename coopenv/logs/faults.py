@@ -1,7 +1,6 @@
 """Rows that cannot be used: found, named, or counted and passed over."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -72,8 +71,8 @@ class Faults:
             return
         self._row = chunk.first_row + row
         self.first = (
-            f"{self._path}, {chunk.place(row)}{describe(row)}; repair it, or pass over bad rows with "
-            "--bad-rows skip"
+            f"{self._path}, {chunk.place(row)}{describe(row)}; repair it, or pass over bad rows "
+            "with --bad-rows skip"
         )
 
     def _ragged(self, chunk: Chunk, *_: object):

@@ -41,7 +41,8 @@ class NpzSource:
             if isinstance(error, InvalidInput):
                 raise
             raise InvalidInput(
-                f"{path} must be an NPZ file of plain arrays, got {error}; write it with numpy.savez"
+                f"{path} must be an NPZ file of plain arrays, got {error}; write it with "
+                "numpy.savez"
             ) from error
         self._rows = self._length()
         for name, array in self._arrays.items():
@@ -112,8 +113,8 @@ class NpzSource:
             return
         if array.shape[0] != self._rows:
             raise InvalidInput(
-                f"{self._path}, array {name!r} must be as long as the others, {self._rows} rows, got"
-                f" {array.shape[0]}; cut or fill it"
+                f"{self._path}, array {name!r} must be as long as the others, {self._rows} rows, "
+                f"got {array.shape[0]}; cut or fill it"
             )
         for column, index in columns.items():
             if column in self._columns:

@@ -135,7 +135,7 @@ class NpzSink:
                 self._others.setdefault(name, []).append(values)
                 continue
             if name not in self._files:
-                self._files[name] = tempfile.TemporaryFile(dir=self._path.parent)
+                self._files[name] = tempfile.TemporaryFile(dir=self._path.parent)  # noqa: SIM115
             self._files[name].write(np.ascontiguousarray(values).data)
         self._rows += len(next(iter(columns.values())))
 
