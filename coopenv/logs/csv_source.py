@@ -19,7 +19,8 @@ LINE_FEED, RETURN = 10, 13
 class CsvSource:
     """A text file with one header line.
 
-    Comma, semicolon or tab separate its fields, whichever the header has most of. Fields may be quoted, but a quoted field must end on its line. Empty lines are passed over.
+    Comma, semicolon or tab separate its fields, whichever the header has most of. They may be
+    quoted, but a quoted field must end on its line. Empty lines are passed over.
     """
 
     def __init__(self, path: Path, decimal: str = "."):
