@@ -17,15 +17,16 @@ names = ["time", "f1x", "f1y", "t1z", "f2x", "f2y", "t2z"]  # object frame [s, N
 names += ["x", "y", "theta", "vx", "vy", "omega"]  # world frame [m, rad, m/s, rad/s]
 
 obs, info = core.reset(seed=0)
+step = core.transition
+assert step is not None  # there is one after every reset
 with open("trial.csv", "w", newline="") as file:
     writer = csv.writer(file)
     writer.writerow(names)
     for _ in range(100):
-        step = core.transition
         action = leader(obs, step)
         action[:, 1] += 0.8 * partner(obs, step)[:, 1]  # the second effector is restless
         obs, reward, terminated, truncated, info = core.step(action)
-        step = core.transition
+        step = core.transition or step
         time, pose, twist = step.state.time[0], step.state.pose[0], step.state.twist[0]
         writer.writerow([time, *step.applied[0].ravel(), *pose, *twist])
         if terminated.any():

@@ -1,6 +1,7 @@
 """Recorded trials for tests, and files of them."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from coopenv.arrays import FloatArray
 BEAM = (-0.9, 0.0, 0.9, 0.0)
 
 
-def planar(rows: int = 40, num_effectors: int = 2, seed: int = 0) -> dict[str, FloatArray]:
+def planar(rows: int = 40, num_effectors: int = 2, seed: int = 0) -> dict[str, Any]:
     """Columns of random wrenches, object frame, with a pose and a twist."""
     rng = np.random.default_rng(seed)
     columns = {"time": np.arange(rows) * 0.01}
@@ -21,7 +22,7 @@ def planar(rows: int = 40, num_effectors: int = 2, seed: int = 0) -> dict[str, F
     return columns
 
 
-def spatial(rows: int = 6, num_effectors: int = 2, seed: int = 0) -> dict[str, FloatArray]:
+def spatial(rows: int = 6, num_effectors: int = 2, seed: int = 0) -> dict[str, Any]:
     """The same in space, with grips in columns."""
     rng = np.random.default_rng(seed)
     columns = {"time": np.arange(rows) * 0.01}

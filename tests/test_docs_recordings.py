@@ -2,12 +2,12 @@
 
 import re
 
+import log_cases as cases
 import numpy as np
 
 from benchmarks import recordings
 from coopenv.logs import Layout, analyse, read
 from coopenv.logs.columns import is_documented
-from tests import log_cases as cases
 
 TEXT = recordings.PAGE.read_text(encoding="utf-8")
 

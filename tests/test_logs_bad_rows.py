@@ -1,11 +1,11 @@
 """What is wrong with a file is said with file, line and column."""
 
+import log_cases as cases
 import numpy as np
 import pytest
 
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs import Layout, read
-from tests import log_cases as cases
 
 HEADER = "time,f1x,f1y,t1z,f2x,f2y,t2z,note"
 BEAM = Layout(grips=cases.BEAM)

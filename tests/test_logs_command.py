@@ -7,8 +7,9 @@ pytest.importorskip("tyro")
 pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
+import log_cases as cases
+
 from coopenv import cli
-from tests import log_cases as cases
 
 
 @pytest.fixture(autouse=True)

@@ -1,12 +1,12 @@
 """The picture holds what there is to see, however many rows there are."""
 
+import log_cases as cases
 import numpy as np
 import pytest
 
 from coopenv.logs import Layout, analyse, read
 from coopenv.logs.envelope import Envelope
 from coopenv.logs.figure import panels
-from tests import log_cases as cases
 
 
 @pytest.mark.parametrize("rows", [1, 7, 100, 3001])

@@ -2,6 +2,7 @@
 
 import json
 
+import log_cases as cases
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,7 +10,6 @@ from scipy.spatial.transform import Rotation
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs import Layout, analyse, read
 from coopenv.logs.layout import UNITS, parse_mapping
-from tests import log_cases as cases
 
 GRIPS = ((-0.9, 0.0), (0.9, 0.0))
 INVARIANT = (

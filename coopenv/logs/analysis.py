@@ -1,7 +1,7 @@
 """Every row decomposed: a table of wrenches and measures."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ from coopenv.errors import MissingExtra
 from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
 from coopenv.logs.recording import Recording
 from coopenv.logs.source import Column
-from coopenv.wrench import Decomposer, Decomposition, Residuals, Settings
+from coopenv.wrench import Decomposer, Decomposition, Settings
 
 if TYPE_CHECKING:
     import pandas
@@ -35,6 +35,15 @@ RESULTS = (  # name, unit, meaning
 """What the table adds to a recording, for the page on recordings."""
 
 
+class Worst(NamedTuple):
+    """The largest residual of all rows, of each kind; see `coopenv.wrench.Residuals`."""
+
+    balance: float = 0.0  # [N or N·m]
+    force: float = 0.0  # [N]
+    induced_torque: float = 0.0  # [N·m]
+    torque: float = 0.0  # [N·m]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Analysis:
     """A recording and its decomposition as columns of equal length.
@@ -44,7 +53,7 @@ class Analysis:
     """
 
     columns: dict[str, Column]  # (T,) each
-    worst: Residuals  # the largest of all rows [N, N·m]
+    worst: Worst
     gap: float  # the largest of all rows [N]
     fallbacks: int  # rows for which the solver had to ask another one
     solver: str
@@ -89,7 +98,7 @@ def analyse(recording: Recording, settings: Settings | None = None) -> Analysis:
     fell_back = getattr(split, "fell_back", None)  # only solvers that can do so say so
     return Analysis(
         columns=columns,
-        worst=Residuals(*(float(part.max()) for part in residuals)),  # pyright: ignore
+        worst=Worst(*(float(part.max()) for part in residuals)),
         gap=float(np.max(split.gap)),
         fallbacks=0 if fell_back is None else int(np.sum(fell_back)),
         solver=split.solver,
@@ -139,14 +148,14 @@ def _results(split: Decomposition, twist: FloatArray | None) -> dict[str, Column
         "force_load_share": split.load_share.force,
         "torque_load_share": split.load_share.torque,
     }
-    if twist is not None:
-        energy = split.energy_share(twist)
+    energy = None if twist is None else split.energy_share(twist)
+    if energy is not None:
         shares["energy_share"] = energy.total
         shares["linear_energy_share"] = energy.linear
         shares["angular_energy_share"] = energy.angular
     for name, share in shares.items():
         columns |= {f"{name}_{i + 1}": share[:, i] for i in range(share.shape[1])}
-    if twist is not None:
+    if energy is not None:
         columns["internal_power"] = energy.internal_power
     columns["cost"], columns["applied_cost"] = split.cost, split.applied_cost
     columns["gap"] = split.gap

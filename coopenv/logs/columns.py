@@ -132,9 +132,9 @@ def plan(path: str, columns: Sequence[str], layout: Layout, grips: bool = False)
     required += [need(name, "a twist is whole or left out (--map vx=)") for name in twist]
     required += [need(name) for name in _poses(made, layout, bool(twist))]
     optional = [*POSITION[dimension], *ORIENTATION[dimension]]
-    read = dict.fromkeys([*(["time"] if "time" in found else []), *required])
+    read: list[str] = [*dict.fromkeys([*(["time"] if "time" in found else []), *required])]
     used = [*read, *(name for name in optional if name in found and name not in read)]
-    return _filled(made, columns, layout, list(read), used)
+    return _filled(made, columns, layout, read, used)
 
 
 def _filled(
@@ -201,8 +201,7 @@ def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
 
 def _count(found: dict[str, str]) -> int:
     """Number of effectors."""
-    matches = [EFFECTOR.fullmatch(name) for name in found]
-    return max(int(match[2]) for match in matches if match is not None)
+    return max(int(name[1:-1]) for name in found if EFFECTOR.fullmatch(name) is not None)
 
 
 def _poses(made: Plan, layout: Layout, twist: bool) -> list[str]:

@@ -165,7 +165,7 @@ class _Lines:
 
     def _count_quoted(self) -> None:
         quoted = np.add.reduceat(self._codes == ord('"'), self.starts, dtype=np.int64)
-        for number in np.flatnonzero(quoted):
+        for number in np.flatnonzero(quoted).tolist():
             fields = len(self._source._fields(self.text(number)))
             self.fields[number] = fields if quoted[number] % 2 == 0 else -1
 

@@ -1,6 +1,7 @@
 """NPZ: one array a column, or one a quantity; read piece by piece, without any extra."""
 
 import zipfile
+import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -172,7 +173,17 @@ class _Rows:
             self._at += rows
             return self._whole[self._at - rows : self._at]
         shape = (rows, *self._whole.shape[1:])
-        data = self._file.read(int(np.prod(shape)) * self._dtype.itemsize)
+        size = int(np.prod(shape)) * self._dtype.itemsize
+        try:
+            data = self._file.read(size)
+        except (OSError, zipfile.BadZipFile, zlib.error) as error:
+            raise InvalidInput(
+                f"arrays must be whole, got {error}; write the file again"
+            ) from error
+        if len(data) < size:
+            raise InvalidInput(
+                "arrays must be whole, got one that ends early; write the file again"
+            )
         return np.frombuffer(data, self._dtype).reshape(shape)
 
 

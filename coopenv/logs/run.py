@@ -67,8 +67,10 @@ def decompose_file(
         sink = open_sink(suffix_of(table), part)
         try:
             collector = _fill(sink, reader, settings, drawing, report)
-        finally:
             sink.close()
+        except BaseException:
+            sink.abandon()
+            raise
         if drawing is not None and image_part is not None:
             drawing.draw(image_part)
     return collector.summary(

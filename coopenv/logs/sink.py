@@ -27,6 +27,10 @@ class Sink(Protocol):
         """Finish the file."""
         ...
 
+    def abandon(self) -> None:
+        """Let go of the file, which nobody wants any more."""
+        ...
+
 
 def open_sink(kind: str, path: Path) -> Sink:
     """A sink for the format ``.csv``, ``.npz`` or ``.parquet`` at ``path``, whatever its name."""
@@ -61,11 +65,13 @@ class CsvSink:
 
     def close(self) -> None:
         """Finish the file."""
-        try:
-            self._wait()
-        finally:
-            self._pool.shutdown()
-            self._file.close()
+        self._wait()
+        self.abandon()
+
+    def abandon(self) -> None:
+        """Let go of the file."""
+        self._pool.shutdown(cancel_futures=True)
+        self._file.close()
 
     def _append(self, table: Any) -> None:
         self._file.write(_csv_text(table))
@@ -118,6 +124,10 @@ class ParquetSink:
         if self._writer is not None:
             self._writer.close()
 
+    def abandon(self) -> None:
+        """Let go of the file."""
+        self.close()
+
 
 class NpzSink:
     """One array a column; numbers wait in temporary files, as an archive takes whole arrays."""
@@ -153,6 +163,11 @@ class NpzSink:
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
                     values = _plain(np.concatenate(parts))
                     np.lib.format.write_array(entry, values, allow_pickle=False)
+
+    def abandon(self) -> None:
+        """Let go of the temporary files."""
+        for file in self._files.values():
+            file.close()
 
 
 def _csv_text(table: Any) -> bytes:

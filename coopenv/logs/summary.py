@@ -8,9 +8,8 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
-from coopenv.logs.analysis import Analysis
+from coopenv.logs.analysis import Analysis, Worst
 from coopenv.logs.recording import Recording
-from coopenv.wrench import Residuals
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -56,7 +55,7 @@ class Summary:
     solver: str
     fallbacks: int  # rows for which the solver had to ask another one
     gap: float  # largest bound on how much a cost exceeds the optimum [N]
-    worst: Residuals  # the largest of all rows [N, N·m]
+    worst: Worst
     measures: tuple[Measure, ...]
     left_out: tuple[str, ...]  # what the file holds beside columns
 
@@ -107,7 +106,7 @@ class Collector:
         self._columns: dict[str, _Column] = {}
         self._rows = self._fallbacks = 0
         self._gap = 0.0
-        self._worst = Residuals(*np.zeros(4))
+        self._worst = Worst()
         self._solvers: dict[str, None] = {}
         self._trial, self._time, self._duration = -1, np.nan, 0.0
         self._timed = False
@@ -122,7 +121,7 @@ class Collector:
         self._rows += len(recording)
         self._fallbacks += analysis.fallbacks
         self._gap = max(self._gap, analysis.gap)
-        self._worst = Residuals(*np.maximum(self._worst, analysis.worst).tolist())
+        self._worst = Worst(*map(max, self._worst, analysis.worst))
         self._solvers[analysis.solver] = None
         self._add_time(recording)
 
