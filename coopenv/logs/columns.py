@@ -193,8 +193,10 @@ def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
             f"grips must be of {said} numbers each in the {layout.space}, got {grips.shape[1]}; "
             "change them or leave out --space"
         )
-    if grips is not None or said is not None:
-        return said if grips is None else grips.shape[1]
+    if grips is not None:
+        return grips.shape[1]
+    if said is not None:
+        return said
     spatial = re.compile(r"[fr]\d+z|t\d+[xy]")
     return 3 if any(spatial.fullmatch(name) for name in found) else 2
 
