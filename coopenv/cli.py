@@ -15,6 +15,7 @@ from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.studies.commands import Beam, Dyads
 from coopenv.config import TransportConfig
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
+from coopenv.logs.command import Decompose
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -140,7 +141,12 @@ class Study:
         self.study.run()
 
 
-COMMANDS: dict[str, type[Command]] = {"train": Train, "evaluate": Evaluate, "study": Study}
+COMMANDS: dict[str, type[Command]] = {
+    "train": Train,
+    "evaluate": Evaluate,
+    "decompose": Decompose,
+    "study": Study,
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

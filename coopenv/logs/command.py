@@ -1,0 +1,133 @@
+"""``coopenv decompose FILE``."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from coopenv.errors import MissingExtra
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+SAID = (
+    "grips", "frame", "twist_frame", "grip_frame", "y", "space", "forces_only", "decimal",
+    "trial_columns", "time", "length", "angle", "velocity", "angular_velocity", "force", "torque",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decompose:
+    """Decompose a recorded trial: a table and a picture beside the file, a summary here.
+
+    Reads CSV, NPZ or Parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on;
+    docs/recordings.md lists them all.
+    """
+
+    file: Path
+    """Of the recording."""
+    out: Path | None = None
+    """Of the table, .csv, .npz or .parquet; trial.decomposed.csv beside trial.csv by default."""
+    picture: bool = True
+    """Draw the time series as PNG beside the table."""
+    bad_rows: str = "error"
+    """What to do with rows that cannot be used: error, or skip (their results are NaN)."""
+    method: str = "optimal"
+    """Definition of internal wrench; see docs/decomposition.md."""
+    solver: str = "auto"
+    """Of the method optimal."""
+    torque_weight: float = 0.5
+    """w of the cost."""
+    include_induced: bool = False
+    """Count induced torques in the cost."""
+    virtual_masses: tuple[float, ...] | None = None
+    """Of the method parametrized, one an effector [kg]."""
+    virtual_inertias: tuple[float, ...] | None = None
+    """Of the method parametrized, one an effector [kg m²]."""
+    layout: Path | None = None
+    """.toml or .json file with the options below; those that are given win."""
+    map: tuple[str, ...] = ()
+    """Columns that are called otherwise, such as f1x=Fx_left, or f1x=-Fx_left to turn the sign;
+    time= leaves one out."""
+    grips: tuple[float, ...] | None = None
+    """Where the effectors hold, x y of the first, x y of the second and so on, object frame."""
+    frame: str | None = None
+    """Of forces and torques: object (default) or world, which needs the orientation."""
+    twist_frame: str | None = None
+    """Of the twist, if it is not that of the forces."""
+    grip_frame: str | None = None
+    """Of the columns of grips: object (default) or world, which needs the pose."""
+    y: str | None = None
+    """Up (default) or down: then y, planar torques and angles change sign."""
+    space: str | None = None
+    """Plane leaves out what points out of it; auto (default) goes by the columns."""
+    forces_only: bool | None = None
+    """The effectors apply no torque, and the file has no such columns."""
+    decimal: str | None = None
+    """What separates decimals in a CSV file: . (default) or a comma."""
+    trial_columns: tuple[str, ...] | None = None
+    """A new value in one of them begins a new trial; pair, condition and trial by default."""
+    time: str | None = None
+    """Unit: s (default), ms, us, ns, min."""
+    length: str | None = None
+    """Unit: m (default), cm, mm, in, ft."""
+    angle: str | None = None
+    """Unit: rad (default), deg."""
+    velocity: str | None = None
+    """Unit: m/s (default), cm/s, mm/s, in/s, ft/s."""
+    angular_velocity: str | None = None
+    """Unit: rad/s (default), deg/s, rpm."""
+    force: str | None = None
+    """Unit: N (default), mN, kN, lbf, kgf."""
+    torque: str | None = None
+    """Unit: N*m (default), N*cm, N*mm, kN*m, lbf*in, lbf*ft, kgf*m."""
+
+    def run(self) -> None:
+        """Decompose, write, print."""
+        try:
+            from rich.console import Console
+        except ImportError as error:
+            raise MissingExtra("the command line", "analysis") from error
+
+        from coopenv.logs.layout import Layout, parse_mapping
+        from coopenv.logs.run import decompose_file
+        from coopenv.wrench import Settings
+
+        said: dict[str, Any] = {
+            name: getattr(self, name) for name in SAID if getattr(self, name) is not None
+        }
+        layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
+        settings = Settings(
+            method=self.method,
+            solver=self.solver,
+            torque_weight=self.torque_weight,
+            include_induced=self.include_induced,
+            virtual_masses=self.virtual_masses,
+            virtual_inertias=self.virtual_inertias,
+        )
+        console = Console()
+        with _progress(console) as report:
+            summary = decompose_file(
+                self.file,
+                self.out,
+                layout=layout,
+                settings=settings,
+                bad_rows=self.bad_rows,
+                picture=self.picture,
+                report=report,
+            )
+        summary.print(console)
+        files = [str(each) for each in (summary.table, summary.picture) if each is not None]
+        console.print(f"wrote {' and '.join(files)}", markup=False, highlight=False, soft_wrap=True)
+
+
+@contextmanager
+def _progress(console: "Console") -> Iterator[Callable[[float], None]]:
+    """A progress bar over the file."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("decomposing"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"))
+    with Progress(*columns, TimeRemainingColumn(), console=console, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda done: bar.update(task, completed=done)

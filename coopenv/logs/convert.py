@@ -1,0 +1,75 @@
+"""From the file's frames to the object's."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.logs.layout import Layout
+
+TURNED_OVER = np.array([1.0, -1.0])  # of a planar vector, y the other way up
+
+
+@dataclass(slots=True, kw_only=True)
+class Measured:
+    """Quantities in SI units, still in the frames of the file; the methods change them."""
+
+    force: FloatArray  # (T, n, d)
+    torque: FloatArray  # (T, n, 1 or 3)
+    grips: FloatArray | None  # (T, n, d)
+    position: FloatArray | None  # (T, d)
+    orientation: FloatArray | None  # (T,), in space (T, 4) quaternion w, x, y, z
+    twist: FloatArray | None  # (T, 3 or 6)
+
+    def turn_over(self) -> None:
+        """From y down and angles clockwise to y up and angles counter-clockwise; planar."""
+        self.force, self.torque = self.force * TURNED_OVER, -self.torque
+        if self.grips is not None:
+            self.grips = self.grips * TURNED_OVER
+        if self.position is not None:
+            self.position = self.position * TURNED_OVER
+        if self.orientation is not None:
+            self.orientation = -self.orientation
+        if self.twist is not None:
+            self.twist = self.twist * np.array([1.0, -1.0, -1.0])
+
+    def turn_to_object(self, layout: Layout, good: BoolArray) -> None:
+        """From the world frame to the object's whatever is not there yet."""
+        if self.orientation is None:
+            return  # nothing is in the world frame, or it would have been asked for
+        rotation = rotations(self.orientation, good)
+        dimension = self.force.shape[-1]
+        if layout.frame == "world":
+            self.force = to_object(self.force, rotation)
+            if dimension == 3:
+                self.torque = to_object(self.torque, rotation)
+        if layout.twist_frame == "world" and self.twist is not None:
+            parts = [to_object(self.twist[:, :dimension], rotation), self.twist[:, dimension:]]
+            if dimension == 3:
+                parts[1] = to_object(parts[1], rotation)
+            self.twist = np.concatenate(parts, axis=-1)
+        if layout.grip_frame == "world" and self.grips is not None and self.position is not None:
+            self.grips = to_object(self.grips - self.position[:, None], rotation)
+
+
+def rotations(orientation: FloatArray, good: BoolArray) -> FloatArray:
+    """Matrices ``(T, d, d)`` that turn object vectors to the world; rows not good may be anything.
+
+    ``orientation`` is ``(T,)`` angles [rad], or ``(T, 4)`` quaternions w, x, y, z.
+    """
+    if orientation.ndim == 2:
+        identity = np.array([1.0, 0.0, 0.0, 0.0])
+        usable = good & np.isfinite(orientation).all(axis=-1) & orientation.any(axis=-1)
+        quaternion = np.where(usable[:, None], orientation, identity)
+        return Rotation.from_quat(quaternion[:, [1, 2, 3, 0]]).as_matrix()
+    angle = np.where(np.isfinite(orientation), orientation, 0.0)
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+
+
+def to_object(vectors: FloatArray, rotation: FloatArray) -> FloatArray:
+    """World vectors ``(T, d)`` or ``(T, n, d)`` in the object frame: Rᵀ v."""
+    if vectors.ndim == 2:
+        return np.einsum("tji,tj->ti", rotation, vectors)
+    return np.einsum("tji,tnj->tni", rotation, vectors)

@@ -1,0 +1,129 @@
+"""Rows that cannot be used: found, named, or counted and passed over."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.logs.columns import ORIENTATION, Plan
+from coopenv.logs.source import Chunk
+
+BAD_ROWS = ("error", "skip")
+QUATERNION_TOLERANCE = 0.01  # of its length
+
+
+class Faults:
+    """What to do with bad rows, and how many there were.
+
+    Parameters
+    ----------
+    path
+        Named in errors.
+    columns
+        Of the file.
+    plan
+        Which of them are read as what.
+    bad_rows
+        ``"error"`` or ``"skip"``.
+    """
+
+    def __init__(self, path: str, columns: list[str], plan: Plan, bad_rows: str):
+        if bad_rows not in BAD_ROWS:
+            raise UnknownName("bad_rows", bad_rows, BAD_ROWS)
+        self.count = 0
+        self.first = ""  # what is wrong with the first
+        self._row: int | None = None  # its number
+        self._path, self._columns, self._plan, self._bad_rows = path, columns, plan, bad_rows
+
+    def good_rows(self, chunk: Chunk, starts: BoolArray, previous_time: FloatArray) -> BoolArray:
+        """Which rows can be used.
+
+        Parameters
+        ----------
+        chunk
+            As read.
+        starts
+            ``(T,)`` whether a row is the first of its trial.
+        previous_time
+            ``(T,)`` last time before each row, in the unit of the file.
+
+        Raises
+        ------
+        InvalidInput
+            At the first bad row, unless they are to be skipped.
+        """
+        good = np.ones(chunk.rows, dtype=np.bool_)
+        for find in (self._ragged, self._not_finite, self._time, self._quaternion):
+            for bad, describe in find(chunk, starts, previous_time):
+                if bad.any():
+                    good &= ~bad
+                    self._report(chunk, bad, describe)
+        self.count += int((~good).sum())
+        if self.first and self._bad_rows == "error":
+            raise InvalidInput(self.first)
+        return good
+
+    def _report(self, chunk: Chunk, bad: BoolArray, describe: Callable[[int], str]) -> None:
+        """Describe the first bad row of all; of its faults, the one found first."""
+        row = int(np.flatnonzero(bad)[0])
+        if self._row is not None and chunk.first_row + row >= self._row:
+            return
+        self._row = chunk.first_row + row
+        self.first = (
+            f"{self._path}, {chunk.place(row)}{describe(row)}; repair it, or pass over bad rows "
+            "with --bad-rows skip"
+        )
+
+    def _ragged(self, chunk: Chunk, *_: object):
+        if chunk.fields is not None:
+            fields = chunk.fields
+
+            def describe(row: int) -> str:
+                seen = "an open quotation mark" if fields[row] < 0 else f"{fields[row]} fields"
+                return f" must have {len(self._columns)} fields like the header, got {seen}"
+
+            yield fields != 0, describe
+
+    def _not_finite(self, chunk: Chunk, *_: object):
+        whole = np.True_ if chunk.fields is None else chunk.fields == 0
+        for name in self._required():
+            column = self._plan.source[name]
+            called = f"column {column!r}" + (f" ({name})" if name != column else "")
+            yield (
+                whole & ~np.isfinite(chunk.numbers[column]),
+                lambda row, column=column, called=called: (
+                    f", {called} must be a finite number, got {chunk.text(row, column)!r}"
+                ),
+            )
+
+    def _time(self, chunk: Chunk, starts: BoolArray, previous: FloatArray):
+        if self._plan.has(["time"]):
+            column = self._plan.source["time"]
+            time = chunk.numbers[column]
+            bad = ~starts & (time <= previous)
+            yield (
+                bad,
+                lambda row: (
+                    f", column {column!r} must increase within a trial, got {time[row]:.12g} after "
+                    f"{previous[row]:.12g}"
+                ),
+            )
+
+    def _quaternion(self, chunk: Chunk, *_: object):
+        names = ORIENTATION[3]
+        if self._plan.dimension == 3 and self._plan.required >= set(names):
+            parts = np.stack([chunk.numbers[self._plan.source[name]] for name in names])
+            length = np.sqrt((parts * parts).sum(axis=0))
+            yield (
+                np.abs(length - 1) > QUATERNION_TOLERANCE,
+                lambda row: (
+                    ", columns qw, qx, qy, qz must be a unit quaternion, got one of length "
+                    f"{length[row]:.6g}"
+                ),
+            )
+
+    def _required(self) -> list[str]:
+        """In the order of the file, so that the leftmost fault of a row is named."""
+        place = {column: number for number, column in enumerate(self._columns)}
+        return sorted(self._plan.required, key=lambda name: place[self._plan.source[name]])

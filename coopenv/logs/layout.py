@@ -1,0 +1,195 @@
+"""How a file says what it says: names of columns, frames, units, where the effectors hold."""
+
+import json
+import os
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, finite_array
+from coopenv.errors import InvalidInput, UnknownName
+
+UNITS: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
+    "angle": {"rad": 1.0, "deg": pi / 180},
+    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "in/s": 0.0254, "ft/s": 0.3048},
+    "angular_velocity": {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30},
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665},
+    "torque": {
+        "N*m": 1.0,
+        "N*cm": 1e-2,
+        "N*mm": 1e-3,
+        "kN*m": 1e3,
+        "lbf*in": 4.4482216152605 * 0.0254,
+        "lbf*ft": 4.4482216152605 * 0.3048,
+        "kgf*m": 9.80665,
+    },
+}
+"""What may be declared for each quantity, and its factor to SI; the first is the default."""
+
+CHOICES = {
+    "frame": ("object", "world"),
+    "twist_frame": ("object", "world"),
+    "grip_frame": ("object", "world"),
+    "y": ("up", "down"),
+    "space": ("auto", "plane", "space"),
+    "decimal": (".", ","),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """How to understand a file; the default is the documented columns in SI units.
+
+    Raises
+    ------
+    UnknownName
+        If a column, frame or unit is none of those there are.
+    InvalidInput
+        If the grips are no such numbers, or a column that is mapped is not a documented one.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    """Documented name → name in the file. A minus in front turns the sign (``-Fx``); an empty
+    name says that the file has no such column."""
+    grips: tuple[tuple[float, ...], ...] | tuple[float, ...] | None = None
+    """Where the effectors hold, ``(n, 2)`` or ``(n, 3)`` or its numbers one after the other, in the
+    object frame and the unit of lengths."""
+    frame: str = "object"  # of forces and torques: "object" or "world"
+    twist_frame: str | None = None  # as frame unless said
+    grip_frame: str = "object"  # of the columns of grips; "world" needs the object's position
+    y: str = "up"  # "down" turns the sign of y, planar torques and angles
+    space: str = "auto"  # "plane" leaves out what points out of it, "space" wants all of it
+    forces_only: bool = False  # the effectors apply no torque, and the file has none
+    decimal: str = "."  # of the numbers in a CSV file
+    trial_columns: tuple[str, ...] = ("pair", "condition", "trial")  # a new value: a new trial
+    time: str = "s"
+    length: str = "m"
+    angle: str = "rad"
+    velocity: str = "m/s"
+    angular_velocity: str = "rad/s"
+    force: str = "N"
+    torque: str = "N*m"
+
+    def __post_init__(self):
+        from coopenv.logs.columns import is_documented
+
+        if self.twist_frame is None:
+            object.__setattr__(self, "twist_frame", self.frame)
+        for name, known in CHOICES.items():
+            if getattr(self, name) not in known:
+                raise UnknownName(name, getattr(self, name), known)
+        for quantity, known in UNITS.items():
+            unit = str(getattr(self, quantity)).replace("·", "*")
+            unit = {"Nm": "N*m", "Nmm": "N*mm", "Ncm": "N*cm"}.get(unit, unit)
+            if unit not in known:
+                raise UnknownName(f"unit of {quantity}", unit, known)
+            object.__setattr__(self, quantity, unit)
+        for name in self.columns:
+            if not is_documented(name):
+                raise InvalidInput(
+                    f"columns must map documented names, got {name!r}; those are time, x, y, theta,"
+                    " qw … qz, vx, vy, omega, and of effector 1 f1x, f1y, t1z, r1x, r1y and so on"
+                )
+        if self.grips is not None:
+            object.__setattr__(self, "grips", _checked_grips(self.grips))
+        object.__setattr__(self, "trial_columns", tuple(self.trial_columns))
+
+    def factor(self, quantity: str) -> float:
+        """What a number of that quantity is multiplied with to be in SI units."""
+        return UNITS[quantity][getattr(self, quantity)]
+
+    def grips_of(self, num_effectors: int) -> FloatArray | None:
+        """The grips ``(n, 2)`` or ``(n, 3)`` [m] of that many effectors, y up."""
+        if self.grips is None:
+            return None
+        grips = np.array(self.grips)
+        if grips.size not in (2 * num_effectors, 3 * num_effectors):
+            raise InvalidInput(
+                f"grips must be 2 or 3 numbers for each of {num_effectors} effectors, got "
+                f"{grips.size} numbers; the columns f1x, f2x … say how many effectors there are"
+            )
+        grips = grips.reshape(num_effectors, -1) * self.factor("length")
+        if self.y == "down":
+            grips[:, 1] *= -1
+        return grips
+
+    @classmethod
+    def load(cls, path: str | os.PathLike | None = None, **said: Any) -> "Layout":
+        """A layout from a ``.toml`` or ``.json`` file, in which every field is optional.
+
+        Parameters
+        ----------
+        path
+            Of the file; the defaults if ``None``.
+        **said
+            Fields that take the place of those in the file; the mapped columns are added to its.
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be read or has another form.
+        UnknownName
+            If it has a field that does not exist.
+        """
+        content = {} if path is None else _load(Path(path))
+        known = [entry.name for entry in fields(cls)]
+        for name in (*content, *said):
+            if name not in known:
+                raise UnknownName(f"field of a layout in {path}", name, known)
+        columns = {**content.pop("columns", {}), **said.pop("columns", {})}
+        return cls(**{**content, **said, "columns": columns})
+
+
+def parse_mapping(pairs: Iterable[str]) -> dict[str, str]:
+    """``["f1x=Fx_left", "time="]`` as a mapping of columns."""
+    mapping = {}
+    for pair in pairs:
+        name, equals, theirs = pair.partition("=")
+        if not equals:
+            raise InvalidInput(
+                f"map must be NAME=COLUMN, got {pair!r}; write f1x=Fx_left, or f1x=-Fx_left where "
+                "the sign is the other way round"
+            )
+        if name in mapping:
+            raise InvalidInput(f"map must name {name} once, got it twice; leave one out")
+        mapping[name] = theirs
+    return mapping
+
+
+def _checked_grips(grips: Any) -> tuple:
+    array = finite_array(grips, "grips")
+    nested = array.ndim == 2 and array.shape[1] in (2, 3)
+    if not array.size or not (nested or array.ndim == 1):
+        raise InvalidInput(
+            f"grips must be of shape (n, 2) or (n, 3), got {array.shape}; give one position an "
+            "effector"
+        )
+    return tuple(tuple(row) for row in array.tolist()) if nested else tuple(array.tolist())
+
+
+def _load(path: Path) -> dict[str, Any]:
+    try:
+        if path.suffix == ".json":
+            content = json.loads(path.read_text(encoding="utf-8"))
+        elif path.suffix == ".toml":
+            content = tomllib.loads(path.read_text(encoding="utf-8"))
+        else:
+            raise InvalidInput(
+                f"layout must be a .toml or .json file, got {str(path)!r}; rename it"
+            )
+    except (OSError, ValueError) as error:
+        if isinstance(error, InvalidInput):
+            raise
+        raise InvalidInput(
+            f"layout must be a readable file, got {str(path)!r}: {error}; repair it"
+        ) from error
+    if not isinstance(content, dict) or not isinstance(content.get("columns", {}), dict):
+        raise InvalidInput(f"layout must be a table of fields, got {path}; see docs/recordings.md")
+    return content

@@ -1,0 +1,193 @@
+"""NPZ: one array a column, or one a quantity; read piece by piece, without any extra."""
+
+import zipfile
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from coopenv.arrays import FloatArray
+from coopenv.errors import InvalidInput
+from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
+from coopenv.logs.source import CHUNK_ROWS, Chunk, row_number, value_of
+
+BLOCKS = ("force", "torque", "grips", "pose", "twist")
+POSE = {3: (*POSITION[2], *ORIENTATION[2]), 7: (*POSITION[3], *ORIENTATION[3])}
+
+
+class NpzSource:
+    """Arrays ``(T,)`` under the names of columns, or arrays of several columns.
+
+    ``force (T, n, 2 or 3)``, ``torque (T, n)`` or ``(T, n, 3)``, ``grips (n, 2 or 3)`` or
+    ``(T, n, 2 or 3)``, ``pose (T, 3 or 7)``, ``twist (T, 3 or 6)`` have their columns in the order
+    of the documented names.
+    """
+
+    def __init__(self, path: Path):
+        self._path = path
+        try:
+            with zipfile.ZipFile(path) as archive:
+                self._arrays = {
+                    entry.removesuffix(".npy"): _Array(archive, entry)
+                    for entry in archive.namelist()
+                    if entry.endswith(".npy")
+                }
+                self._columns: dict[str, tuple[str, tuple[int, ...]]] = {}
+                self.grips = self._constant_grips(archive)
+        except (OSError, ValueError, zipfile.BadZipFile) as error:
+            if isinstance(error, InvalidInput):
+                raise
+            raise InvalidInput(
+                f"{path} must be an NPZ file of plain arrays, got {error}; write it with "
+                "numpy.savez"
+            ) from error
+        self._rows = self._length()
+        for name, array in self._arrays.items():
+            self._add(name, array)
+        self.columns = list(self._columns)
+        taken = {name for name, _ in self._columns.values()}
+        self.left_out = [name for name in self._arrays if name not in taken and name != "grips"]
+
+    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
+        """Read all arrays side by side."""
+        for name in numbers:
+            kind = self._arrays[self._columns[name][0]].dtype
+            if kind.kind not in "fiu":
+                raise InvalidInput(
+                    f"{self._path}, array {self._columns[name][0]!r} must hold numbers, got {kind};"
+                    " convert it"
+                )
+        wanted = dict.fromkeys(self._columns[name][0] for name in (*numbers, *carried))
+        with zipfile.ZipFile(self._path) as archive, ExitStack() as stack:
+            files = {name: self._arrays[name].open(archive, stack) for name in wanted}
+            for first in range(0, self._rows, CHUNK_ROWS):
+                rows = min(CHUNK_ROWS, self._rows - first)
+                read = {name: files[name].read(rows) for name in wanted}
+                pick = {
+                    name: read[self._columns[name][0]][(slice(None), *self._columns[name][1])]
+                    for name in (*numbers, *carried)
+                }
+                values = {name: pick[name].astype(np.float64) for name in numbers}
+                yield Chunk(
+                    numbers=values,
+                    carried={name: pick[name] for name in carried},
+                    rows=rows,
+                    first_row=first + 1,
+                    progress=(first + rows) / self._rows,
+                    place=row_number(first + 1),
+                    text=value_of(values),
+                )
+
+    def _constant_grips(self, archive: zipfile.ZipFile) -> FloatArray | None:
+        array = self._arrays.get("grips")
+        if array is None or len(array.shape) != 2:
+            return None
+        with ExitStack() as stack:
+            return array.open(archive, stack).read(array.shape[0]).astype(np.float64)
+
+    def _length(self) -> int:
+        """Number of rows: that of the forces, which every recording has."""
+        for name in ("force", "f1x", "time"):
+            if name in self._arrays and self._arrays[name].shape:
+                return self._arrays[name].shape[0]
+        lengths = [array.shape[0] for array in self._arrays.values() if array.shape]
+        return max(lengths, default=0)
+
+    def _add(self, name: str, array: "_Array") -> None:
+        """Enter the columns that an array holds."""
+        if name == "grips" and self.grips is not None:
+            return
+        if name in BLOCKS and len(array.shape) > 1:
+            columns = _block_columns(name, array.shape[1:])
+            if columns is None:
+                raise InvalidInput(
+                    f"{self._path}, array {name!r} must be of a documented shape, got "
+                    f"{array.shape}; see docs/recordings.md"
+                )
+        elif len(array.shape) == 1 and (array.shape[0] == self._rows or name in ("f1x", "time")):
+            columns = {name: ()}
+        else:
+            return
+        if array.shape[0] != self._rows:
+            raise InvalidInput(
+                f"{self._path}, array {name!r} must be as long as the others, {self._rows} rows, "
+                f"got {array.shape[0]}; cut or fill it"
+            )
+        for column, index in columns.items():
+            if column in self._columns:
+                raise InvalidInput(
+                    f"{self._path}: {column} must be there once, got it in {name!r} and "
+                    f"{self._columns[column][0]!r}; leave one out"
+                )
+            self._columns[column] = (name, index)
+
+
+def _block_columns(name: str, shape: tuple[int, ...]) -> dict[str, tuple[int, ...]] | None:
+    """Documented columns of an array of that shape beyond its rows, and where they are."""
+    if name in ("pose", "twist"):
+        known = POSE if name == "pose" else {len(names): names for names in TWIST.values()}
+        names = known.get(shape[0]) if len(shape) == 1 else None
+        return None if names is None else {each: (j,) for j, each in enumerate(names)}
+    if name == "torque" and len(shape) == 1:
+        return {f"t{i + 1}z": (i,) for i in range(shape[0])}
+    axes = (TORQUES if name == "torque" else AXES).get(shape[-1])
+    if len(shape) != 2 or axes is None or (name == "torque" and shape[-1] != 3):
+        return None
+    kind = {"force": "f", "torque": "t", "grips": "r"}[name]
+    return {f"{kind}{i + 1}{axis}": (i, j) for i in range(shape[0]) for j, axis in enumerate(axes)}
+
+
+class _Array:
+    """An array in the archive, of which rows are read one after the other."""
+
+    def __init__(self, archive: zipfile.ZipFile, entry: str):
+        self._entry = entry
+        with archive.open(entry) as file:
+            self.shape, self._fortran, self.dtype = _header(file)
+        if self.dtype.hasobject:
+            raise ValueError(f"array {entry!r} of Python objects")
+
+    def open(self, archive: zipfile.ZipFile, stack: ExitStack) -> "_Rows":
+        """Ready to read its first row."""
+        file = stack.enter_context(archive.open(self._entry))
+        if self._fortran and len(self.shape) > 1:  # its rows are scattered: all of it, then
+            return _Rows(None, self.dtype, np.lib.format.read_array(file))
+        _header(file)
+        return _Rows(file, self.dtype, np.empty((0, *self.shape[1:])))
+
+
+class _Rows:
+    """What is left to read of an array."""
+
+    def __init__(self, file: IO[bytes] | None, dtype: np.dtype, whole: npt.NDArray[Any]):
+        self._file, self._dtype, self._whole = file, dtype, whole
+        self._at = 0
+
+    def read(self, rows: int) -> npt.NDArray[Any]:
+        """The next rows."""
+        if self._file is None:
+            self._at += rows
+            return self._whole[self._at - rows : self._at]
+        shape = (rows, *self._whole.shape[1:])
+        size = int(np.prod(shape)) * self._dtype.itemsize
+        try:
+            data = self._file.read(size)
+        except (OSError, zipfile.BadZipFile, zlib.error) as error:
+            raise InvalidInput(
+                f"arrays must be whole, got {error}; write the file again"
+            ) from error
+        if len(data) < size:
+            raise InvalidInput(
+                "arrays must be whole, got one that ends early; write the file again"
+            )
+        return np.frombuffer(data, self._dtype).reshape(shape)
+
+
+def _header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0
+    return (read if version[0] == 1 else np.lib.format.read_array_header_2_0)(file)

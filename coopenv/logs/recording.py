@@ -1,0 +1,232 @@
+"""A recorded trial, or many of them: SI units, object frame, y up."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.errors import InvalidInput
+from coopenv.logs import columns
+from coopenv.logs.convert import Measured
+from coopenv.logs.faults import Faults
+from coopenv.logs.layout import Layout
+from coopenv.logs.source import Chunk, Column, open_source
+from coopenv.logs.trials import Trials
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
+    """What was recorded, row by row; rows that could not be used are NaN and not ``good``."""
+
+    time: FloatArray | None  # (T,) [s]
+    applied: FloatArray  # (T, n, 3) or (T, n, 6), object frame [N, N·m]
+    grips: FloatArray  # (n, 2 or 3), or (T, n, 2 or 3) where they vary, object frame [m]
+    position: FloatArray | None  # (T, 2 or 3) of the centre of mass, world frame [m]
+    orientation: FloatArray | None  # (T,) [rad], in space (T, 4) quaternion w, x, y, z
+    twist: FloatArray | None  # (T, 3 or 6), object frame [m/s, rad/s]
+    carried: dict[str, Column]  # the file's other columns, (T,) each
+    trial: IntArray  # (T,) number of the trial, from 0
+    good: BoolArray  # (T,)
+
+    def __len__(self) -> int:
+        return len(self.applied)
+
+    @property
+    def num_effectors(self) -> int:
+        """How many hold the object."""
+        return self.applied.shape[1]
+
+    def take(self, rows: BoolArray | IntArray | slice) -> "Recording":
+        """Only these rows."""
+        values: dict[str, Any] = {}
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if entry.name == "carried":
+                value = {name: column[rows] for name, column in value.items()}
+            elif value is not None and not (entry.name == "grips" and value.ndim == 2):
+                value = value[rows]
+            values[entry.name] = value
+        return Recording(**values)
+
+    def trials(self) -> Iterator["Recording"]:
+        """One recording a trial, in the order of the file."""
+        starts = np.flatnonzero(np.diff(self.trial, prepend=-1))
+        for first, last in zip(starts, [*starts[1:], len(self)], strict=True):
+            yield self.take(slice(int(first), int(last)))
+
+    @classmethod
+    def joined(cls, parts: list["Recording"]) -> "Recording":
+        """Several recordings with the same columns, one after the other."""
+
+        def join(name: str) -> Any:
+            values = [getattr(part, name) for part in parts]
+            if values[0] is None or (name == "grips" and values[0].ndim == 2):
+                return values[0]
+            return np.concatenate(values)
+
+        made = {entry.name: join(entry.name) for entry in fields(cls) if entry.name != "carried"}
+        carried = {
+            name: np.concatenate([part.carried[name] for part in parts])
+            for name in parts[0].carried
+        }
+        return cls(**made, carried=carried)
+
+
+def read(
+    path: str | os.PathLike, layout: Layout | None = None, *, bad_rows: str = "error"
+) -> Recording:
+    """Read a CSV, NPZ or Parquet file of recorded trials.
+
+    Parameters
+    ----------
+    path
+        Of the file; docs/recordings.md lists the columns.
+    layout
+        How they are called, their frames and units; the documented ones if ``None``.
+    bad_rows
+        ``"error"``: raise at the first row that cannot be used; ``"skip"``: make it NaN.
+
+    Returns
+    -------
+    All rows. What a CSV file carries is text; a column of which all values are numbers is made so.
+
+    Raises
+    ------
+    InvalidInput
+        If the file, a column or a row is wrong; the message names file, line and column.
+    MissingExtra
+        If reading it needs the extra ``analysis``.
+    """
+    recording = Recording.joined(list(Reader(path, layout, bad_rows=bad_rows)))
+    carried = {name: _as_numbers(column) for name, column in recording.carried.items()}
+    recording.carried.update(carried)
+    return recording
+
+
+class Reader:
+    """A file as a sequence of recordings of some thousand rows each.
+
+    Parameters
+    ----------
+    path, layout, bad_rows
+        See `read`.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike, layout: Layout | None = None, *, bad_rows: str = "error"
+    ):
+        self.path = os.fspath(path)
+        self.layout = layout if layout is not None else Layout()
+        self._source = open_source(path, self.layout.decimal)
+        self.plan = columns.plan(
+            self.path, self._source.columns, self.layout, self._source.grips is not None
+        )
+        self.faults = Faults(self.path, self._source.columns, self.plan, bad_rows)
+        self.left_out = self._source.left_out
+        self.progress = 0.0  # share of the file that has been read
+        self._grips = self._constant_grips()
+
+    def __iter__(self) -> Iterator[Recording]:
+        plan = self.plan
+        trials = Trials([name for name in self.layout.trial_columns if name in plan.carried])
+        time_column = plan.source.get("time")
+        rows = 0
+        for chunk in self._source.chunks(list(plan.source.values()), plan.carried):
+            time = chunk.numbers[time_column] if time_column else np.full(chunk.rows, np.nan)
+            readable = (
+                chunk.fields == 0 if chunk.fields is not None else np.ones(chunk.rows, np.bool_)
+            )
+            trial, starts, previous = trials.of(chunk.carried, time, readable)
+            good = self.faults.good_rows(chunk, starts, previous)
+            self.progress, rows = chunk.progress, rows + chunk.rows
+            yield self._converted(chunk, trial, good)
+        if not rows:
+            raise InvalidInput(f"{self.path} must have rows of data, got none; record some")
+
+    def _constant_grips(self) -> FloatArray | None:
+        """Grips that were said once [m]."""
+        in_file, plan = self._source.grips, self.plan
+        if in_file is None:
+            return self.layout.grips_of(plan.num_effectors)
+        layout = replace(self.layout, grips=tuple(in_file.ravel().tolist()), space="auto")
+        grips = layout.grips_of(plan.num_effectors)
+        assert grips is not None
+        if self.layout.space == "plane":
+            grips = grips[:, :2]
+        if grips.shape[1] != plan.dimension:
+            raise InvalidInput(
+                f"{self.path}: grips must be of {plan.dimension} numbers each like the forces, got "
+                f"{grips.shape[1]}; change them, or say --space plane"
+            )
+        return grips
+
+    def _converted(self, chunk: Chunk, trial: IntArray, good: BoolArray) -> Recording:
+        """The rows in SI units, object frame, y up."""
+        measured = self._measured(chunk)
+        if self.layout.y == "down":
+            measured.turn_over()
+        if "world" in (self.layout.frame, self.layout.twist_frame, self.layout.grip_frame):
+            measured.turn_to_object(self.layout, good)
+        applied = np.concatenate([measured.force, measured.torque], axis=-1)
+        for array in (applied, measured.twist, measured.grips):
+            if array is not None:
+                array[~good] = np.nan
+        grips = measured.grips if measured.grips is not None else self._grips
+        assert grips is not None
+        return Recording(
+            time=self._numbers(chunk, "time") if self.plan.has(["time"]) else None,
+            applied=applied,
+            grips=grips,
+            position=measured.position,
+            orientation=measured.orientation,
+            twist=measured.twist,
+            carried=chunk.carried,
+            trial=trial,
+            good=good,
+        )
+
+    def _measured(self, chunk: Chunk) -> Measured:
+        """The rows in SI units, as the file has them otherwise."""
+        plan = self.plan
+        torques = (chunk.rows, plan.num_effectors, len(columns.TORQUES[plan.dimension]))
+        orientation = self._optional(chunk, columns.ORIENTATION[plan.dimension])
+        return Measured(
+            force=self._stack(chunk, "f"),
+            torque=np.zeros(torques) if self.layout.forces_only else self._stack(chunk, "t"),
+            grips=self._stack(chunk, "r") if plan.grips_vary else None,
+            position=self._optional(chunk, columns.POSITION[plan.dimension]),
+            orientation=orientation
+            if orientation is None or plan.dimension == 3
+            else orientation[:, 0],
+            twist=self._optional(chunk, columns.TWIST[plan.dimension]),
+        )
+
+    def _optional(self, chunk: Chunk, names: tuple[str, ...]) -> FloatArray | None:
+        if not self.plan.has(names):
+            return None
+        return np.stack([self._numbers(chunk, name) for name in names], axis=-1)
+
+    def _stack(self, chunk: Chunk, kind: str) -> FloatArray:
+        """``(T, n, axes)`` of the effectors' columns."""
+        names = self.plan.effector_names(kind)
+        return np.stack(
+            [np.stack([self._numbers(chunk, name) for name in group], -1) for group in names], 1
+        )
+
+    def _numbers(self, chunk: Chunk, name: str) -> FloatArray:
+        return chunk.numbers[self.plan.source[name]] * self.plan.factor[name]
+
+
+def _as_numbers(column: Column) -> Column:
+    """A column of text as numbers, if that is what all of it says."""
+    if column.dtype.kind not in "OU":
+        return column
+    try:
+        numbers = np.array([float(text) for text in column.tolist()])
+    except (TypeError, ValueError):
+        return column
+    whole = numbers.astype(np.int64) if np.isfinite(numbers).all() else numbers
+    return whole if (whole == numbers).all() else numbers

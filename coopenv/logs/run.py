@@ -1,0 +1,116 @@
+"""From a file to a table, a picture and a summary, some thousand rows at a time."""
+
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+from coopenv.errors import InvalidInput
+from coopenv.files import written
+from coopenv.logs.analysis import analyse
+from coopenv.logs.figure import Picture
+from coopenv.logs.layout import Layout
+from coopenv.logs.recording import Reader
+from coopenv.logs.sink import Sink, open_sink
+from coopenv.logs.source import suffix_of
+from coopenv.logs.summary import Collector, Summary
+from coopenv.wrench import Settings
+
+
+def decompose_file(
+    path: str | os.PathLike,
+    out: str | os.PathLike | None = None,
+    *,
+    layout: Layout | None = None,
+    settings: Settings | None = None,
+    bad_rows: str = "error",
+    picture: bool = True,
+    report: Callable[[float], object] | None = None,
+) -> Summary:
+    """Decompose every row of a file; write a table and a picture of its time series.
+
+    Memory does not grow with the number of rows. Table and picture are written whole, or neither.
+
+    Parameters
+    ----------
+    path
+        A CSV, NPZ or Parquet file; docs/recordings.md lists its columns.
+    out
+        Of the table, whose suffix says its format; ``trial.decomposed.csv`` beside ``trial.csv`` if
+        ``None``. The picture has the same name, ending in ``.png``.
+    layout
+        How the columns are called, their frames and units.
+    settings
+        Which definition of internal wrench, which cost, which solver.
+    bad_rows
+        ``"error"``: raise at the first row that cannot be used; ``"skip"``: results are NaN there.
+    picture
+        Whether to draw.
+    report
+        Called with the share of the file that is done.
+
+    Raises
+    ------
+    InvalidInput
+        If the file, a column or a row is wrong; the message names file, line and column.
+    MissingExtra
+        If a format or the picture needs the extra ``analysis``.
+    """
+    path, table = _places(Path(path), None if out is None else Path(out))
+    settings = settings if settings is not None else Settings()
+    reader = Reader(path, layout, bad_rows=bad_rows)
+    drawing = Picture(f"{path.name}, {settings.method}") if picture else None
+    image = table.with_suffix(".png") if picture else None
+    with ExitStack() as stack:
+        part = stack.enter_context(written(table))
+        image_part = None if image is None else stack.enter_context(written(image))
+        sink = open_sink(suffix_of(table), part)
+        try:
+            collector = _fill(sink, reader, settings, drawing, report)
+            sink.close()
+        except BaseException:
+            sink.abandon()
+            raise
+        if drawing is not None and image_part is not None:
+            drawing.draw(image_part)
+    return collector.summary(
+        table=table,
+        picture=image,
+        method=settings.method,
+        bad_rows=reader.faults.count,
+        first_bad=reader.faults.first.partition(";")[0],
+        left_out=tuple(reader.left_out),
+    )
+
+
+def _fill(
+    sink: Sink,
+    reader: Reader,
+    settings: Settings,
+    drawing: Picture | None,
+    report: Callable[[float], object] | None,
+) -> Collector:
+    """Everything, chunk by chunk."""
+    collector = Collector()
+    for recording in reader:
+        try:
+            analysis = analyse(recording, settings)
+        except InvalidInput as error:
+            raise InvalidInput(f"{reader.path}: {error}") from error
+        sink.write(analysis.columns)
+        collector.add(recording, analysis)
+        if drawing is not None:
+            drawing.add(recording, analysis)
+        if report is not None:
+            report(reader.progress)
+    return collector
+
+
+def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
+    """Where the input is and the table goes."""
+    suffix = path.suffix if suffix_of(path) != ".csv" else ".csv"
+    table = path.with_name(f"{path.stem}.decomposed{suffix}") if out is None else out
+    suffix_of(table)
+    if table.exists() and path.exists() and table.samefile(path):
+        raise InvalidInput(f"out must not be the input, got {str(table)!r}; choose another name")
+    return path, table
