@@ -12,7 +12,7 @@ from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.observation import BLOCKS, Block
 from coopenv.scene import Box, Scene
-from coopenv.tasks import Episode, Task, TransportTask
+from coopenv.tasks import DoorwayTask, Episode, Reference, Task, TrackingTask, TransportTask
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
 
@@ -23,23 +23,32 @@ __all__ = [
     "Block",
     "Body",
     "Box",
+    "DoorwayTask",
     "Episode",
+    "Reference",
     "Scene",
     "State",
     "Task",
+    "TrackingTask",
     "Transition",
     "Transport",
     "TransportConfig",
     "TransportTask",
     "__version__",
+    "beam_doorway_v0",
+    "beam_tracking_v0",
     "beam_transport_v0",
     "rewards",
     "wrench",
 ]
 
-from coopenv import beam_transport_v0
+from coopenv import beam_doorway_v0, beam_tracking_v0, beam_transport_v0
 
-_MODULES = {"BeamTransport-v0": beam_transport_v0}
+_MODULES = {
+    "BeamTransport-v0": beam_transport_v0,
+    "BeamDoorway-v0": beam_doorway_v0,
+    "BeamTracking-v0": beam_tracking_v0,
+}
 
 for _name, _module in _MODULES.items():
     gymnasium.register(
