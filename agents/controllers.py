@@ -8,10 +8,9 @@ import numpy.typing as npt
 
 from coopenv import frames
 from coopenv.arrays import FloatArray
-from coopenv.body import Body
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import UnknownName
-from coopenv.transition import State, Transition
+from coopenv.transition import Transition
 from coopenv.wrench import allocate
 from coopenv.wrench.pseudoinverse import ALLOCATIONS
 
@@ -40,8 +39,10 @@ class ImpedanceController:
 
         h_o = M (k_d (v_d − v)) + D v,    v_d = saturated k_p (goal − pose)
 
-    Stateless. The object keeps off the walls while it turns: where the coming turn needs more
-    room than there is, it moves away from the wall first. Obstacles are not avoided.
+    Stateless; masses, drag and room are those of the episodes under way. The object keeps off the
+    walls while it turns: where the coming turn needs more room than there is, it moves away from
+    the wall first. Obstacles are not avoided. Tasks that ask for more have controllers of their
+    own, which override `wanted_motion`; see `coopenv.agents.scripted.find_controller`.
 
     Where an agent would exceed a limit, all agents' wrenches are scaled down together, so that
     the object wrench keeps its direction and the split its proportions.
@@ -49,7 +50,7 @@ class ImpedanceController:
     Parameters
     ----------
     config
-        Of the environment it acts in: mass, inertia and drag, the room, the kind of action.
+        Of the environment it acts in: the kind of action, the number of agents.
     method
         ``"moore_penrose"``, ``"nonsqueezing"`` or ``"parametrized"``; see
         `coopenv.wrench.allocate`. Agents that give forces only (``action="force"``) share by
@@ -82,13 +83,12 @@ class ImpedanceController:
         if self._width == 2:
             self.method, virtual_inertias = "parametrized", [_TORQUE_FREE] * config.num_agents
         self._masses, self._inertias = virtual_masses, virtual_inertias
-        self._load: _Load | None = None
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
         """Actions ``(world, agent, action_size)``."""
         team = transition.team
         applied = allocate(
-            self.object_wrench(transition.next_state),
+            self.object_wrench(transition),
             team.grips,
             self.method,
             virtual_masses=self._masses,
@@ -98,37 +98,87 @@ class ImpedanceController:
         largest = np.abs(action).max(axis=(1, 2), keepdims=True)
         return action / np.maximum(largest, 1.0)
 
-    def object_wrench(self, state: State) -> FloatArray:
+    def object_wrench(self, transition: Transition) -> FloatArray:
         """Wrench ``(world, 3)`` [N, N·m] that the object needs, object frame."""
-        load = self._load_of(len(state.pose))
-        wanted = self._wanted_twist(state, load)
-        acceleration = self.gains.damping * (wanted - state.twist)
-        wrench = load.inertia * acceleration + load.drag * state.twist  # world frame
+        state, load = transition.next_state, transition.conditions.load
+        inertia = np.stack([load.mass, load.mass, load.inertia], axis=-1)
+        drag = np.stack([load.linear_drag, load.linear_drag, load.angular_drag], axis=-1)
+        twist, acceleration = self.wanted_motion(transition)
+        acceleration = acceleration + self.gains.damping * (twist - state.twist)
+        wrench = inertia * acceleration + drag * state.twist  # world frame
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
         x, y = wrench[:, 0].copy(), wrench[:, 1].copy()
         wrench[:, 0], wrench[:, 1] = c * x + s * y, c * y - s * x
         return wrench
 
-    def _wanted_twist(self, state: State, load: "_Load") -> FloatArray:
-        """Velocity ``(world, 3)`` towards the goal, world frame [m/s, rad/s]."""
-        gains = self.gains
-        turn = np.pi - (np.pi - (state.goal[:, 2] - state.pose[:, 2])) % (2 * np.pi)
-        ahead = np.clip(turn, -gains.look_ahead, gains.look_ahead)
-        angles = state.pose[:, 2, None] + ahead[:, None] * np.linspace(0, 1, _LOOK_AHEAD)
-        low, high = load.free_box(angles, gains.margin)
-        position = state.pose[:, :2]
-        way = np.clip(state.goal[:, :2], low, high) - position
-        cramped = np.linalg.norm(np.clip(position, low, high) - position, axis=1)  # [m]
-        wanted = np.empty_like(state.twist)
-        wanted[:, :2] = _saturated(gains.approach * way, gains.speed)
-        spin = gains.spin * np.clip(1 - cramped / 0.3, 0.0, 1.0)
-        wanted[:, 2] = np.clip(gains.approach * turn, -spin, spin)
-        return wanted
+    def wanted_motion(self, transition: Transition) -> tuple[FloatArray, FloatArray | float]:
+        """Twist ``(world, 3)`` [m/s, rad/s] and acceleration to aim for, world frame."""
+        state, conditions = transition.next_state, transition.conditions
+        half = conditions.room.size / 2
+        return approach(
+            state.pose, state.goal, conditions.load.outline, -half, half, self.gains
+        ), 0.0
 
-    def _load_of(self, num_worlds: int) -> "_Load":
-        if self._load is None or len(self._load.inertia) != num_worlds:
-            self._load = _Load(self.config, num_worlds)
-        return self._load
+
+def approach(
+    pose: FloatArray,
+    goal: FloatArray,
+    outline: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    gains: Gains,
+) -> FloatArray:
+    """Twist ``(world, 3)`` that leads an object to a goal within a rectangle, world frame.
+
+    Parameters
+    ----------
+    pose, goal
+        ``(world, 3)``.
+    outline
+        ``(world, vertex, 2)`` [m], object frame.
+    low, high
+        Corners ``(world, 2)`` [m] of what is free.
+    gains
+        How briskly.
+    """
+    turn = wrapped(goal[:, 2] - pose[:, 2])
+    ahead = np.clip(turn, -gains.look_ahead, gains.look_ahead)
+    angles = pose[:, 2, None] + ahead[:, None] * np.linspace(0, 1, _LOOK_AHEAD)
+    low, high = _free_box(angles, outline, low + gains.margin, high - gains.margin)
+    position = pose[:, :2]
+    way = np.clip(goal[:, :2], low, high) - position
+    cramped = np.linalg.norm(np.clip(position, low, high) - position, axis=1)  # [m]
+    wanted = np.empty_like(pose)
+    wanted[:, :2] = saturated(gains.approach * way, gains.speed)
+    spin = gains.spin * np.clip(1 - cramped / 0.3, 0.0, 1.0)
+    wanted[:, 2] = np.clip(gains.approach * turn, -spin, spin)
+    return wanted
+
+
+def wrapped(angle: FloatArray) -> FloatArray:
+    """The same angle in (−π, π]."""
+    return np.pi - (np.pi - angle) % (2 * np.pi)
+
+
+def saturated(velocity: FloatArray, limit: float) -> FloatArray:
+    """Velocities ``(world, 2)``, the fast ones slowed down to ``limit``."""
+    speed = np.linalg.norm(velocity, axis=1, keepdims=True)
+    return velocity * np.minimum(1.0, limit / np.maximum(speed, 1e-12))
+
+
+def _free_box(
+    angles: FloatArray, outline: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Corners ``(world, 2)`` of where the centre may be for the object to fit at all of ``angles``.
+
+    ``angles`` is ``(world, k)`` [rad], ``low`` and ``high`` are the corners of what is free.
+    """
+    c, s = np.cos(angles)[..., None], np.sin(angles)[..., None]
+    x, y = outline[:, None, :, 0], outline[:, None, :, 1]
+    turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)  # (world, k, vertex, 2)
+    low, high = low - turned.min(axis=(1, 2)), high - turned.max(axis=(1, 2))
+    middle = (low + high) / 2
+    return np.minimum(low, middle), np.maximum(high, middle)
 
 
 class RandomPolicy:
@@ -149,40 +199,3 @@ class RandomPolicy:
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
         """Actions ``(world, agent, action_size)``."""
         return self._generator.uniform(-1.0, 1.0, (*obs.shape[:2], self._width))
-
-
-class _Load:
-    """What is carried, and the room for it, one row a world."""
-
-    def __init__(self, config: TransportConfig, num_worlds: int):
-        bodies = config.bodies(num_worlds)
-        self.inertia = np.array([[b.mass, b.mass, b.inertia] for b in bodies], dtype=np.float64)
-        self.drag = np.array([[b.linear_drag, b.linear_drag, b.angular_drag] for b in bodies])
-        self.half_room = np.array([s.size for s in config.scenes(num_worlds)])[:, None] / 2
-        self.outline = _padded(bodies)
-
-    def free_box(self, angles: FloatArray, margin: float) -> tuple[FloatArray, FloatArray]:
-        """Where the centre may be so that the object clears the walls at all of ``angles``.
-
-        ``angles`` is ``(world, k)`` [rad]; returns the low and the high corner ``(world, 2)`` [m].
-        """
-        c, s = np.cos(angles)[..., None], np.sin(angles)[..., None]
-        x, y = self.outline[:, None, :, 0], self.outline[:, None, :, 1]
-        turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)  # (world, k, vertex, 2)
-        low = (-self.half_room[:, 0] + margin) - turned.min(axis=(1, 2))
-        high = (self.half_room[:, 0] - margin) - turned.max(axis=(1, 2))
-        middle = (low + high) / 2
-        return np.minimum(low, middle), np.maximum(high, middle)
-
-
-def _padded(bodies: Sequence[Body]) -> FloatArray:
-    """Outlines ``(world, vertex, 2)``; shorter ones repeat their last vertex."""
-    longest = max(len(body.outline) for body in bodies)
-    return np.array(
-        [body.outline + body.outline[-1:] * (longest - len(body.outline)) for body in bodies]
-    )
-
-
-def _saturated(velocity: FloatArray, limit: float) -> FloatArray:
-    speed = np.linalg.norm(velocity, axis=1, keepdims=True)
-    return velocity * np.minimum(1.0, limit / np.maximum(speed, 1e-12))

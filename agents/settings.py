@@ -20,7 +20,7 @@ class EnvironmentChoice:
     env: str = "coopenv/BeamTransport-v0"
     """Gymnasium id."""
     reward: str | None = None
-    """Preset of coopenv.rewards: task, harmony, balanced, sparse."""
+    """Preset of coopenv.rewards: task, harmony, balanced, sparse, tracking."""
     observe: tuple[str, ...] | None = None
     """Observation blocks, for example: goal twist own_wrench."""
     sensing: Literal["own", "shared"] | None = None

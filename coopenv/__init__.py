@@ -15,7 +15,16 @@ from coopenv.observation import BLOCKS, Block
 from coopenv.randomisation import Ranges
 from coopenv.scene import Box, Scene
 from coopenv.sensor import Sensor
-from coopenv.tasks import Episode, Task, TransportTask, WalkerAvoidTask, WalkerTurnTask
+from coopenv.tasks import (
+    DoorwayTask,
+    Episode,
+    Reference,
+    Task,
+    TrackingTask,
+    TransportTask,
+    WalkerAvoidTask,
+    WalkerTurnTask,
+)
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
 
@@ -26,12 +35,15 @@ __all__ = [
     "Block",
     "Body",
     "Box",
+    "DoorwayTask",
     "Episode",
     "Ranges",
+    "Reference",
     "Scene",
     "Sensor",
     "State",
     "Task",
+    "TrackingTask",
     "Transition",
     "Transport",
     "TransportConfig",
@@ -39,6 +51,8 @@ __all__ = [
     "WalkerAvoidTask",
     "WalkerTurnTask",
     "__version__",
+    "beam_doorway_v0",
+    "beam_tracking_v0",
     "beam_transport_v0",
     "register",
     "rewards",
@@ -47,10 +61,18 @@ __all__ = [
     "wrench",
 ]
 
-from coopenv import beam_transport_v0, walker_avoid_v0, walker_turn_v0
+from coopenv import (
+    beam_doorway_v0,
+    beam_tracking_v0,
+    beam_transport_v0,
+    walker_avoid_v0,
+    walker_turn_v0,
+)
 
 _MODULES = {
     "BeamTransport-v0": beam_transport_v0,
+    "BeamDoorway-v0": beam_doorway_v0,
+    "BeamTracking-v0": beam_tracking_v0,
     "WalkerAvoid-v0": walker_avoid_v0,
     "WalkerTurn-v0": walker_turn_v0,
 }

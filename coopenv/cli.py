@@ -50,8 +50,9 @@ class Train:
         """Train, evaluate, draw."""
         from rich.console import Console
 
-        from coopenv.agents.controllers import ImpedanceController, RandomPolicy
+        from coopenv.agents.controllers import RandomPolicy
         from coopenv.agents.evaluate import compare, save, table
+        from coopenv.agents.scripted import find_controller
         from coopenv.agents.train import train
 
         out, config = self.training.out, self.training.environment.config()
@@ -64,7 +65,7 @@ class Train:
             policies: dict[str, Policy] = {
                 "trained PPO": trained,
                 "random": RandomPolicy(config),
-                "scripted": ImpedanceController(config),
+                "scripted": find_controller(config),
             }
             seen = compare(policies, config, episodes=self.episodes)
         for name in ("table.json", "table.csv"):
@@ -183,11 +184,12 @@ def _read(arguments: Sequence[str] | None) -> Command:
 
 def find_policy(name: str, config: TransportConfig) -> "Policy":
     """The policy of that name for an environment: a kind of scripted one, or a trained file."""
-    from coopenv.agents.controllers import ImpedanceController, RandomPolicy
+    from coopenv.agents.controllers import RandomPolicy
+    from coopenv.agents.scripted import find_controller
 
     kind, _, allocation = name.partition(":")
     if kind == "scripted":
-        return ImpedanceController(config, method=allocation or "moore_penrose")
+        return find_controller(config, method=allocation or "moore_penrose")
     if name == "random":
         return RandomPolicy(config)
     if not Path(name).is_file():

@@ -14,7 +14,7 @@ from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, fin
 from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
-from coopenv.tasks import Task, TransportTask
+from coopenv.tasks import TASKS, SensedTask, Task, TransportTask
 from coopenv.variations import Variations
 from coopenv.wrench import Settings
 
@@ -84,11 +84,12 @@ class TransportConfig:
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
-        _set(self, "task", _built(self.task, "task", TransportTask))
+        _set(self, "task", _task(self.task, TransportTask))
         _set(self, "body", _one_or_more(self.body, "body", Body))
         _set(self, "scene", _one_or_more(self.scene, "scene", Scene))
         _set(self, "reward", find_reward(self.reward))
-        _set(self, "observe", find_blocks(_sensed(self.sensing, self.observe)))
+        seen = _with_blocks_of(self.task, _sensed(self.sensing, self.observe))
+        _set(self, "observe", find_blocks(seen))
         _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
@@ -104,13 +105,14 @@ class TransportConfig:
     def parse(cls, keywords: Mapping[str, Any], defaults: Mapping[str, Any] | None = None) -> Self:
         """The configuration that ``keywords`` describe; an unknown name raises `UnknownName`.
 
-        ``defaults`` stand for what the keywords leave out.
+        ``defaults`` stand for what the keywords leave out, unless these bring a task of another
+        kind than theirs.
 
         ``max_episode_steps`` (Gymnasium's word) and ``max_cycles`` (PettingZoo's) stand for
         ``horizon`` and override it.
         """
         _check_one_sight(keywords)
-        known = {**(defaults or {}), **keywords}
+        known = _filled(keywords, defaults or {})
         if keywords.get("sensing") is not None:  # what is given overrides the other's default
             known.pop("observe", None)
         elif "observe" in keywords:
@@ -123,8 +125,6 @@ class TransportConfig:
         for name in known:
             if name not in names:
                 raise UnknownName("environment keyword", name, names)
-        if defaults and "task" in defaults and isinstance(known["task"], Mapping):
-            known["task"] = _built(known["task"], "task", type(defaults["task"]))
         return cls(**known)
 
     @property
@@ -199,6 +199,36 @@ def _check_one_sight(given: Mapping[str, Any]) -> None:
             f"sensing must come without observe, got sensing={given['sensing']!r} beside "
             f"observe={given['observe']!r}; give one of them"
         )
+
+
+def _filled(keywords: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
+    """``keywords`` over ``defaults``, which are dropped where the task is of another kind."""
+    if "task" not in keywords or "task" not in defaults:
+        return {**defaults, **keywords}
+    kind, task = type(defaults["task"]), keywords["task"]
+    task = _task(task, kind)
+    return {**(defaults if isinstance(task, kind) else {}), **keywords, "task": task}
+
+
+def _task(value: Any, kind: type) -> Any:
+    """The task itself, or the one that a mapping, the form in which JSON has it, describes.
+
+    That is the package's task with exactly these fields, else one of ``kind``.
+    """
+    if isinstance(value, Mapping):
+        exact = [task for task in TASKS if {entry.name for entry in fields(task)} == set(value)]
+        return _built(value, "task", exact[0] if exact and kind not in exact else kind)
+    return _built(value, "task", TransportTask)
+
+
+def _with_blocks_of(task: Task, observe: Any) -> Any:
+    """``observe`` with the names of the task's own blocks replaced by these."""
+    if not isinstance(task, SensedTask) or isinstance(observe, str):
+        return observe
+    own = {block.name: block for block in task.blocks}
+    if not isinstance(observe, Sequence):
+        return observe
+    return tuple(own.get(block, block) if isinstance(block, str) else block for block in observe)
 
 
 def _built(value: Any, name: str, kind: type) -> Any:

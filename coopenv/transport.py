@@ -19,7 +19,7 @@ from coopenv.info import Info, copied, replaced, start_info, step_info, with_wor
 from coopenv.observation import Observation
 from coopenv.rewards import find_reward
 from coopenv.scene import Scene
-from coopenv.tasks import MovingTask, WayTask
+from coopenv.tasks import JudgedTask, MovingTask, WayTask
 from coopenv.transition import State, Transition
 from coopenv.world import World
 from coopenv.wrench.grasp import sum_at_centre
@@ -93,6 +93,8 @@ class Transport:
         task = self.config.task
         self._moving = task if isinstance(task, MovingTask) else None
         self._way = task if isinstance(task, WayTask) else None
+        self._judged = task if isinstance(task, JudgedTask) else None
+        self._distances = np.zeros(self.num_worlds)  # [m] sum over the steps of the episode
         self._steps = np.zeros(self.num_worlds, dtype=np.int64)
         self._ended, self._any_ended = np.ones(self.num_worlds, dtype=np.bool_), True
         self._obs = np.zeros((0,), dtype=np.float32)
@@ -278,9 +280,12 @@ class Transport:
 
     def _success(self, state: State) -> BoolArray:
         success = self.config.task.success(state.pose, state.twist, state.goal)
-        if self._moving is None:
-            return success
-        return success & self._moving.due(self.conditions.plan, state.time)
+        if self._moving is not None:
+            success = success & self._moving.due(self.conditions.plan, state.time)
+        if self._judged is not None:
+            self._distances = self._distances + state.distance
+            success = success & self._judged.accepts(self._distances / self._steps)
+        return success
 
     def _distance(self, conditions: Conditions, pose: FloatArray, goal: FloatArray) -> FloatArray:
         if self._way is None:
@@ -289,7 +294,7 @@ class Transport:
 
     def _state(self, goal: FloatArray, time: FloatArray) -> State:
         if self._moving is not None:
-            goal = frames.wrap_pose(self._moving.reference(self.conditions.plan, time))
+            goal = frames.wrap_pose(self._moving.goal_at(self.conditions.plan, time))
         pose = frames.wrap_pose(self.world.pose)
         distance = self._distance(self.conditions, pose, goal)
         return State(
@@ -307,6 +312,7 @@ class Transport:
         self.world.place(worlds, pose)
         self._steps = self._steps.copy()
         self._steps[worlds], self._ended[worlds] = 0, False
+        self._distances = replaced(self._distances, worlds, 0.0)
         self._any_ended = bool(self._ended.any())
         pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
         state = State(

@@ -17,6 +17,7 @@ from .terms import (
     RelativeCost,
     Success,
     TimeCost,
+    TrackingError,
 )
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "Success",
     "Term",
     "TimeCost",
+    "TrackingError",
     "find_reward",
     "recompute",
 ]

@@ -16,6 +16,7 @@ from .terms import (
     RelativeCost,
     Success,
     TimeCost,
+    TrackingError,
 )
 
 _TASK = {"progress": Progress(weight=5.0), "success": Success(), "time": TimeCost()}
@@ -36,6 +37,14 @@ PRESETS: dict[str, RewardSum] = {
             "effort": Effort(),
             "action_rate": ActionRate(),
             "contact": Contact(),
+        }
+    ),
+    # follow a reference without fighting the partner, and come to rest at its end
+    "tracking": RewardSum(
+        {
+            "tracking": TrackingError(),
+            "success": Success(),
+            "relative_cost": RelativeCost(weight=0.02),
         }
     ),
 }

@@ -152,3 +152,17 @@ class Contact:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         return transition.per_agent(transition.contact_impulse, -self.weight)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackingError:
+    """A price on the distance to the goal for as long as it lasts: r = −weight · distance · dt.
+
+    For references that are to be followed; time itself costs nothing at zero distance.
+    """
+
+    weight: float = 2.0  # [reward / (m·s)]
+
+    def __call__(self, transition: Transition) -> FloatArray:
+        """Reward ``(world, agent)``."""
+        return transition.per_agent(transition.next_state.distance, -self.weight * transition.dt)

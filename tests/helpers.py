@@ -9,13 +9,28 @@ import numpy as np
 import numpy.typing as npt
 
 import coopenv
-from coopenv import BLOCKS, Body, Box, Ranges, Scene, Sensor, TransportTask
+from coopenv import (
+    BLOCKS,
+    Body,
+    Box,
+    DoorwayTask,
+    Ranges,
+    Reference,
+    Scene,
+    Sensor,
+    TrackingTask,
+    TransportTask,
+    WalkerAvoidTask,
+    WalkerTurnTask,
+)
 from coopenv.observation import ranges
 from coopenv.rewards import PRESETS
 from coopenv.wrench import METHODS, Settings
 
 PARALLEL: dict[str, ModuleType] = {  # every registered id and its PettingZoo module
     "coopenv/BeamTransport-v0": coopenv.beam_transport_v0,
+    "coopenv/BeamDoorway-v0": coopenv.beam_doorway_v0,
+    "coopenv/BeamTracking-v0": coopenv.beam_tracking_v0,
     "coopenv/WalkerAvoid-v0": coopenv.walker_avoid_v0,
     "coopenv/WalkerTurn-v0": coopenv.walker_turn_v0,
 }
@@ -26,6 +41,26 @@ NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
 EASY = TransportTask(  # random motion succeeds now and then
     position_tolerance=1.5, angle_tolerance=1.0, speed_tolerance=5.0, spin_tolerance=5.0
 )
+EASY_TASKS = {  # the same on each id's own task
+    "coopenv/BeamTransport-v0": EASY,
+    "coopenv/BeamDoorway-v0": DoorwayTask(
+        position_tolerance=5.1, angle_tolerance=2.4, speed_tolerance=5.0, spin_tolerance=5.0
+    ),
+    "coopenv/BeamTracking-v0": TrackingTask(
+        position_tolerance=1.5,
+        angle_tolerance=1.0,
+        speed_tolerance=0.1,
+        spin_tolerance=0.2,
+        mean_tolerance=5.0,
+        duration=0.1,
+    ),
+    "coopenv/WalkerAvoid-v0": WalkerAvoidTask(
+        position_tolerance=4.0, angle_tolerance=1.5, speed_tolerance=5.0, spin_tolerance=5.0
+    ),
+    "coopenv/WalkerTurn-v0": WalkerTurnTask(
+        position_tolerance=1.5, angle_tolerance=1.5, speed_tolerance=5.0, spin_tolerance=5.0
+    ),
+}
 CLUTTERED = Scene(
     size=(7.0, 6.5),
     obstacles=(
@@ -107,6 +142,49 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "randomised plate": {"body": Body.plate(3), "randomise": WIDE, "observe": ("goal", "body")},
     "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
 }
+
+LOOP = Reference(  # [s], [m, m, rad]
+    times=(0.0, 2.0, 4.0, 6.0), poses=((0, 0, 0), (1, 0, 1), (1, 1, 3), (0, 0, 3.5))
+)
+
+# What an id documents beside them.
+OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+    "coopenv/BeamDoorway-v0": {
+        "guide one": {"task": DoorwayTask(guide="one")},
+        "guide none": {"task": DoorwayTask(guide="none"), "observe": ("goal", "known", "gap")},
+        "guide agent 1": {"task": DoorwayTask(guide=1)},
+        "guide several": {"task": DoorwayTask(guide=(1, 0))},
+        "wide gap": {"task": DoorwayTask(gap=(2.2, 2.4), gap_position=(-0.5, 0.5))},
+        "own platforms": {
+            "scene": Scene(size=(9.0, 5.0)),
+            "task": DoorwayTask(
+                start_platform=((-4.4, -2.4), (-2.0, 0.0)),
+                goal_platform=((2.0, 0.0), (4.4, 2.4)),
+                wall=(-0.5, 0.5),
+                wall_thickness=0.4,
+            ),
+        },
+        "observe gap": {"observe": ("gap",)},
+    },
+    "coopenv/BeamTracking-v0": {
+        **{
+            f"reference {kind}": {"task": TrackingTask(reference=kind)}
+            for kind in ("rotate", "rotate_translate", "translate")
+        },
+        "reference in turn": {"task": TrackingTask(reference=("rotate", "translate"))},
+        "reference table": {"task": TrackingTask(reference=LOOP)},
+        "one preview": {"task": TrackingTask(preview=(0.4,), segments=1, duration=4.0)},
+        "observe preview": {"observe": ("preview", "reference_twist")},
+        "told to one": {"informed": (1,)},
+    },
+}
+COMMON = ("defaults", "every block", "forces", "reward balanced", "cluttered", "three agents")
+CASES: list[tuple[str, str, dict[str, Any]]] = [  # every id with its options: id, name, keywords
+    *((IDS[0], name, keywords) for name, keywords in OPTIONS.items()),
+    *((view, name, OPTIONS[name]) for view in IDS[1:] for name in COMMON),
+    *((view, name, own) for view in IDS for name, own in OWN_OPTIONS.get(view, {}).items()),
+]
+CASE_NAMES = [f"{view}-{name}" for view, name, _ in CASES]
 
 
 def actions(seed: int, steps: int, *shape: int) -> npt.NDArray[np.float64]:

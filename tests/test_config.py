@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, PARALLEL, TRIO
+from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO
 
 import coopenv
 from coopenv import BLOCKS, Body, Box, Scene, Transport, TransportConfig, TransportTask, rewards
@@ -188,8 +188,20 @@ JSON = {
 }
 
 
-@pytest.mark.parametrize("name", IDS)
-@pytest.mark.parametrize("keywords", JSON.values(), ids=JSON)
+JSON_CASES = {  # every id with what it has to bring back
+    **{f"{IDS[0]}-{name}": (IDS[0], values) for name, values in JSON.items()},
+    **{
+        f"{view}-{name}": (view, values)
+        for view in IDS[1:]
+        for name, values in {
+            **{name: JSON[name] for name in ("defaults", "task", "room", "cluttered")},
+            **OWN_OPTIONS.get(view, {}),
+        }.items()
+    },
+}
+
+
+@pytest.mark.parametrize(("name", "keywords"), JSON_CASES.values(), ids=JSON_CASES)
 def test_an_environment_comes_back_from_json_as_it_was(name, keywords):
     made = gymnasium.make(name, **keywords)
     assert made.spec is not None

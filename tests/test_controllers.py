@@ -96,7 +96,7 @@ def test_a_limit_scales_all_agents_together():
     core = Transport(num_worlds=200, config=config)
     obs, _ = core.reset(seed=0)
     action = policy(obs, last(core))
-    wanted = policy.object_wrench(last(core).next_state)
+    wanted = policy.object_wrench(last(core))
     assert np.abs(action).max() <= 1.0 + 1e-12
     assert (np.abs(action).max(axis=(1, 2)) > 0.999).any()
     core.step(action)

@@ -30,7 +30,7 @@ class Chase(TransportTask):
         speed = float(generator.uniform(0.1, 0.5))
         return Episode(start=(0.0, 0.0, 0.0), goal=(0.0, 0.0, 0.0), plan=(speed,))
 
-    def reference(self, plan, time):
+    def goal_at(self, plan, time):
         return np.stack([plan[:, 0] * time, 0 * time, 0 * time], axis=-1)
 
     def due(self, plan, time):

@@ -1,5 +1,6 @@
 """What a task has to say, and what it may say besides."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias, runtime_checkable
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.body import Body
+from coopenv.observation import Block
 from coopenv.scene import Box, Scene
 
 Pose: TypeAlias = tuple[float, float, float]  # x, y [m], θ [rad]
@@ -26,7 +28,8 @@ class Episode:
 class Task(Protocol):
     """Start, goal and success. Stateless: the same object serves every world.
 
-    Besides, a task may be a `FurnishedTask`, a `WayTask`, a `MovingTask`, a `GuidedTask`.
+    Besides, a task may be a `FurnishedTask`, a `WayTask`, a `MovingTask`, a `JudgedTask`, a
+    `GuidedTask`, a `SensedTask`, a `MarkedTask`.
     """
 
     def check(self, body: Body, scene: Scene) -> None:
@@ -62,7 +65,7 @@ class FurnishedTask(Protocol):
 class MovingTask(Protocol):
     """A task whose goal moves, or which cannot be done before some time."""
 
-    def reference(self, plan: FloatArray, time: FloatArray) -> FloatArray:
+    def goal_at(self, plan: FloatArray, time: FloatArray) -> FloatArray:
         """Where the goals are, ``(world, 3)``, for plans ``(world, number)`` and times [s]."""
         ...
 
@@ -90,4 +93,32 @@ class WayTask(Protocol):
         Instead of ``distance`` wherever there is a plan: ``plan`` is ``(world, number)``. Zero only
         at the goal pose, and without steps, so that `coopenv.rewards.Progress` leads along it.
         """
+        ...
+
+
+@runtime_checkable
+class JudgedTask(Protocol):
+    """A task that is done only if the whole episode was good."""
+
+    def accepts(self, mean_distance: FloatArray) -> BoolArray:
+        """Whether success may count, ``(world,)``, given the mean distance [m] over the steps."""
+        ...
+
+
+@runtime_checkable
+class SensedTask(Protocol):
+    """A task that brings observation blocks of its own."""
+
+    @property
+    def blocks(self) -> Sequence[Block]:
+        """Blocks that ``observe`` may name beside `coopenv.BLOCKS`."""
+        ...
+
+
+@runtime_checkable
+class MarkedTask(Protocol):
+    """A task with something for people to see: lines on the floor of the picture."""
+
+    def markings(self, plan: FloatArray) -> Sequence[FloatArray]:
+        """Lines ``(point, 2)`` [m], world frame, for one world's plan ``(number,)``."""
         ...

@@ -1,0 +1,19 @@
+"""Two agents carry a beam through a gap in a wall: the PettingZoo module of ``BeamDoorway``."""
+
+from typing import Any
+
+from coopenv.envs.module import views
+from coopenv.observation import DEFAULT_BLOCKS
+from coopenv.scene import Scene
+from coopenv.tasks import DoorwayTask
+
+__all__ = ["env", "parallel_env", "single_env", "vector_env"]
+
+DEFAULTS: dict[str, Any] = {
+    "task": DoorwayTask(),
+    "scene": Scene(size=(7.0, 4.0)),
+    "observe": (*DEFAULT_BLOCKS, "gap"),
+    "horizon": 300,
+}
+
+parallel_env, env, single_env, vector_env = views("beam_doorway_v0", DEFAULTS)

@@ -1,0 +1,18 @@
+"""Two agents move a beam along a reference: the PettingZoo module of ``BeamTracking``."""
+
+from typing import Any
+
+from coopenv.envs.module import views
+from coopenv.observation import DEFAULT_BLOCKS
+from coopenv.tasks import TrackingTask
+
+__all__ = ["env", "parallel_env", "single_env", "vector_env"]
+
+DEFAULTS: dict[str, Any] = {
+    "task": TrackingTask(),
+    "reward": "tracking",
+    "observe": (*DEFAULT_BLOCKS, "preview", "reference_twist"),
+    "horizon": 220,
+}
+
+parallel_env, env, single_env, vector_env = views("beam_tracking_v0", DEFAULTS)
