@@ -180,7 +180,7 @@ class Observation:
         self.low = np.concatenate(low).astype(np.float32)
         self.high = np.concatenate(high).astype(np.float32)
         self._chosen = chosen
-        self._view = view_slices(num_agents)
+        self._copies = _copies(chosen, self.blocks, view_slices(num_agents))
         self._all_worlds = np.arange(num_worlds)
         self._instruments = {
             block.name: Instruments(entry, block, num_agents, num_worlds)
@@ -202,10 +202,10 @@ class Observation:
         if self._is_whole_view:
             return view
         seen = np.empty((*view.shape[:2], self.size), dtype=np.float32)
+        for where, source in self._copies:
+            seen[..., where] = view[..., source]
         for block, where in zip(self._chosen, self.blocks.values(), strict=True):
-            if block.read is None:
-                seen[..., where] = view[..., self._view[block.name]]
-            else:
+            if block.read is not None:
                 seen[..., where] = _checked(block.read(transition), seen[..., where].shape, block)
         for name, instruments in self._instruments.items():
             where = self.blocks[name]
@@ -213,6 +213,21 @@ class Observation:
             rows = self._all_worlds if worlds is None else worlds
             seen[..., where] = instruments(truth, transition, rows)
         return seen
+
+
+def _copies(
+    chosen: Sequence[Block], blocks: Mapping[str, slice], view: Mapping[str, slice]
+) -> list[tuple[slice, slice]]:
+    """What goes where from the agents' view; what lies side by side in both goes in one piece."""
+    copies: list[tuple[slice, slice]] = []
+    for block in chosen:
+        if block.read is None:
+            where, source = blocks[block.name], view[block.name]
+            if copies and (copies[-1][0].stop, copies[-1][1].stop) == (where.start, source.start):
+                last, before = copies.pop()
+                where, source = slice(last.start, where.stop), slice(before.start, source.stop)
+            copies.append((where, source))
+    return copies
 
 
 def _checked(value: FloatArray, shape: tuple[int, ...], block: Block) -> FloatArray:
