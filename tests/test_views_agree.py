@@ -15,6 +15,7 @@ from helpers import (
     TRIO,
     actions,
     assert_same,
+    constant,
     parallel_actions,
 )
 
@@ -247,7 +248,7 @@ def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
     keywords = {"horizon": 6, "scene": OPEN_ROOM}
     vector = gymnasium.make_vec(view, num_envs=3, autoreset_mode="SameStep", **keywords)
     singles = [gymnasium.make(view, **keywords) for _ in range(3)]
-    still = np.zeros(vector.action_space.shape, dtype=np.float32)  # pyright: ignore[reportArgumentType]
+    still = constant(vector)
     seen = [vector.reset(seed=20)[0], *(vector.step(still)[0] for _ in range(18))]
     for k, single in enumerate(singles):
         np.testing.assert_array_equal(seen[0][k], single.reset(seed=20 + k)[0])
