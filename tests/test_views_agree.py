@@ -83,7 +83,9 @@ def test_the_gymnasium_view_shows_the_core_to_the_bit(view, name):
         assert mean == reward[0].mean()
         assert ends == [bool(terminated[0]), bool(truncated[0])]
         for key, value in told.items():
-            if key != "reward_terms":
+            if key == "body":
+                assert_same(info[key], {name: entry[0] for name, entry in value.items()})
+            elif key != "reward_terms":
                 np.testing.assert_array_equal(info[key], value[0], err_msg=key)
         assert info["reward_terms"].keys() == told["reward_terms"].keys()
         for key, value in told["reward_terms"].items():
@@ -163,6 +165,8 @@ def test_the_vector_view_shows_the_core_to_the_bit(view, name):
             if key == "reward_terms":
                 for term, worth in value.items():
                     np.testing.assert_array_equal(told[key][term], worth.mean(axis=1))
+            elif key == "body":
+                assert_same({name: told[key][name] for name in value}, value)
             else:
                 np.testing.assert_array_equal(told[key], value, err_msg=key)
         mask = terminated | truncated
