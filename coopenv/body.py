@@ -141,10 +141,8 @@ class Body:
             outline = _polygon(0.75 if radius is None else radius, sides)
         else:
             outline = _rectangle(size)
-        grips = values.pop("grips", None)
-        if grips is None:
-            grips = np.round(0.9 * _round_the_rim(outline, num_agents), 12) + 0.0
-        return cls(outline=_tuples(outline), grips=grips, **values)
+        even = np.round(0.9 * _round_the_rim(outline, num_agents), 12) + 0.0
+        return cls(outline=_tuples(outline), **{"grips": _tuples(even), **values})
 
     @property
     def num_agents(self) -> int:

@@ -164,7 +164,7 @@ class TransportConfig:
             self._check_ranges(self.randomise, bodies, scenes)
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
-        self.reward.check(self.num_agents)
+        find_reward(self.reward).check(self.num_agents)
 
     def _check_ranges(
         self, ranges: Ranges, bodies: Sequence[Body], scenes: Sequence[Scene]

@@ -192,6 +192,11 @@ def actions(seed: int, steps: int, *shape: int) -> npt.NDArray[np.float64]:
     return np.random.default_rng(seed).uniform(-1, 1, (steps, *shape))
 
 
+def constant(env: Any, value: float = 0.0) -> npt.NDArray[np.float32]:
+    """The action of a Gymnasium view of which every number is ``value``."""
+    return np.full(env.action_space.shape, value, dtype=np.float32)
+
+
 def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     """Every leaf of nested dicts, tuples and arrays of objects, with its path."""
     if isinstance(value, dict):

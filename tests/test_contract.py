@@ -22,6 +22,7 @@ from helpers import (
     WIDE,
     actions,
     assert_same,
+    constant,
     leaves,
     spoil,
 )
@@ -239,7 +240,7 @@ def test_nothing_that_the_single_view_returns_is_shared_with_it(view):
     )
     assert_same(clean.reset(seed=0), first := soiled.reset(seed=0))
     spoil(first)
-    for action in actions(0, 40, *clean.action_space.shape).astype(np.float32):
+    for action in actions(0, 40, *constant(clean).shape).astype(np.float32):
         given = action.copy()
         mine, theirs = clean.step(action), soiled.step(given)
         assert_same(mine, theirs)
@@ -282,7 +283,7 @@ def test_nothing_that_the_vector_view_returns_is_shared_with_it(view, mode):
     clean, soiled = (gymnasium.make_vec(view, num_envs=3, **keywords) for _ in "ab")
     assert_same(clean.reset(seed=0), first := soiled.reset(seed=0))
     spoil(first)
-    for action in actions(0, 40, *clean.action_space.shape).astype(np.float32):
+    for action in actions(0, 40, *constant(clean).shape).astype(np.float32):
         given = action.copy()
         mine, theirs = clean.step(action), soiled.step(given)
         assert_same(mine, theirs)
@@ -331,7 +332,7 @@ def test_the_horizon_is_kept_in_every_view(view, steps):
     module = PARALLEL[view]
     env = gymnasium.make(view, horizon=steps, task=NEVER)
     env.reset(seed=0)
-    still = np.zeros(env.action_space.shape, dtype=np.float32)
+    still = constant(env)
     ends = [env.step(still)[2:4] for _ in range(steps)]
     assert ends == [(False, False)] * (steps - 1) + [(False, True)]
     parallel = module.parallel_env(max_cycles=steps, task=NEVER)
@@ -348,7 +349,7 @@ def test_gymnasiums_episode_limit_is_the_horizon_of_a_vector(view, steps):
     env = gymnasium.make_vec(view, num_envs=2, max_episode_steps=steps, horizon=77, task=NEVER)
     assert env.unwrapped.transport.horizon == steps  # pyright: ignore[reportAttributeAccessIssue]
     env.reset(seed=0)
-    still = np.zeros(env.action_space.shape, dtype=np.float32)
+    still = constant(env)
     stops = np.array([env.step(still)[3] for _ in range(steps)])
     assert not stops[:-1].any()
     assert stops[-1].all()
@@ -360,7 +361,7 @@ def test_gymnasiums_time_limit_ends_a_single_episode_early_but_not_late(view):
     late = gymnasium.make(view, max_episode_steps=30, horizon=20, task=NEVER)
     for env, steps in ((early, 3), (late, 20)):
         env.reset(seed=0)
-        still = np.zeros(env.action_space.shape, dtype=np.float32)
+        still = constant(env)
         stops = [env.step(still)[3] for _ in range(steps)]
         assert stops == [False] * (steps - 1) + [True]
 
@@ -369,7 +370,7 @@ def test_gymnasiums_time_limit_ends_a_single_episode_early_but_not_late(view):
 def test_gymnasiums_statistics_count_whole_episodes(view):
     env = RecordEpisodeStatistics(gymnasium.make(view, horizon=9, task=NEVER))
     env.reset(seed=0)
-    push = np.full(env.action_space.shape, 0.1, dtype=np.float32)
+    push = constant(env, 0.1)
     rewards = [env.step(push) for _ in range(9)]
     episode = rewards[-1][4]["episode"]
     assert episode["l"] == 9
@@ -449,7 +450,7 @@ def test_a_nan_action_is_refused_by_the_gymnasium_views_and_moves_nothing(view):
         lambda: gymnasium.make_vec(view, num_envs=2),
     ):
         env, twin = make(), make()
-        shape = env.action_space.shape
+        shape = constant(env).shape
         assert_same(env.reset(seed=0), twin.reset(seed=0))
         with pytest.raises(InvalidInput, match="action must be finite, got nan"):
             env.step(np.full(shape, np.nan, dtype=np.float32))
@@ -464,7 +465,7 @@ def test_a_step_out_of_turn_is_refused_in_every_view(view):
     vector = gymnasium.make_vec(view, num_envs=2, horizon=1, autoreset_mode="Disabled")
     parallel = module.parallel_env(horizon=1)
     plan = {agent: np.zeros(space.shape) for agent, space in parallel.action_spaces.items()}
-    still = np.zeros(single.action_space.shape, dtype=np.float32)  # pyright: ignore[reportArgumentType]
+    still = constant(single)
     for env, action in ((single, still), (vector, np.tile(still, (2, 1))), (parallel, plan)):
         with pytest.raises(ResetNeeded, match="reset must be called before"):
             env.step(action)

@@ -75,6 +75,7 @@ def test_ones_own_block_term_and_draw_say_what_they_should(names):
     assert (drawn >= 0.3).all()
     assert np.ptp(drawn) > 0.3
     np.testing.assert_allclose(obs.reshape(16, 2, -1)[..., 7], drawn[:, None].repeat(2, 1))
+    info = {}
     for _ in range(30):
         *_, info = limited.step(np.tile([1, 0, 0, -1, 0, 0], (16, 1)))  # both push along the beam
     speed = np.hypot(*core.transition.next_state.twist[:, :2].T)

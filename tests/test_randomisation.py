@@ -43,8 +43,8 @@ def test_every_parameter_is_drawn_from_its_range_for_every_world_and_episode():
 
 
 def test_a_logarithmic_range_puts_its_geometric_mean_in_the_middle():
-    wide = {"mass": (1.0, 100.0), "friction": (0.1, 0.9)}
-    varied = Variations(Ranges(**wide, logarithmic=("mass",)), Body(), LIMITS[:2])
+    ranges = Ranges(mass=(1.0, 100.0), friction=(0.1, 0.9), logarithmic=("mass",))
+    varied = Variations(ranges, Body(), LIMITS[:2])
     middle, _ = varied([0.5, 0.5])
     assert middle.mass == pytest.approx(10.0)
     assert middle.friction == pytest.approx(0.5)
@@ -158,6 +158,7 @@ def test_infos_in_every_view_say_what_was_drawn():
         np.testing.assert_array_equal(told["body"][name], value[0], err_msg=name)
         np.testing.assert_array_equal(batch["body"][name][0], value[0], err_msg=name)
     still = np.zeros((2, 6), dtype=np.float32)
+    last = {}
     for _ in range(3):
         *_, last = vector.step(still)
     np.testing.assert_array_equal(last["body"]["mass"][0], named["mass"][0])

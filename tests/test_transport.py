@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -587,7 +588,7 @@ def test_views_can_be_copied_until_they_are_reset():
         lambda: gymnasium.make_vec("coopenv/BeamTransport-v0", num_envs=2),
         coopenv.beam_transport_v0.parallel_env,
     ):
-        env = make()
-        twin = copy.deepcopy(env)
+        env: Any = make()
+        twin: Any = copy.deepcopy(env)
         assert twin.unwrapped.transport is not env.unwrapped.transport
         np.testing.assert_equal(twin.reset(seed=1)[0], env.reset(seed=1)[0])

@@ -15,6 +15,7 @@ from helpers import (
     TRIO,
     actions,
     assert_same,
+    constant,
     parallel_actions,
 )
 
@@ -90,7 +91,9 @@ def test_the_gymnasium_view_shows_the_core_to_the_bit(view, name):
         assert mean == reward[0].mean()
         assert ends == [bool(terminated[0]), bool(truncated[0])]
         for key, value in told.items():
-            if key != "reward_terms":
+            if key == "body":
+                assert_same(info[key], {name: entry[0] for name, entry in value.items()})
+            elif key != "reward_terms":
                 np.testing.assert_array_equal(info[key], value[0], err_msg=key)
         assert info["reward_terms"].keys() == told["reward_terms"].keys()
         for key, value in told["reward_terms"].items():
@@ -167,6 +170,8 @@ def test_the_vector_view_shows_the_core_to_the_bit(view, name):
             if key == "reward_terms":
                 for term, worth in value.items():
                     np.testing.assert_array_equal(told[key][term], worth.mean(axis=1))
+            elif key == "body":
+                assert_same({name: told[key][name] for name in value}, value)
             else:
                 np.testing.assert_array_equal(told[key], value, err_msg=key)
         mask = terminated | truncated
@@ -254,7 +259,7 @@ def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
     keywords = {"horizon": 6, "scene": OPEN_ROOM}
     vector = gymnasium.make_vec(view, num_envs=3, autoreset_mode="SameStep", **keywords)
     singles = [gymnasium.make(view, **keywords) for _ in range(3)]
-    still = np.zeros(vector.action_space.shape, dtype=np.float32)  # pyright: ignore[reportArgumentType]
+    still = constant(vector)
     seen = [vector.reset(seed=20)[0], *(vector.step(still)[0] for _ in range(18))]
     for k, single in enumerate(singles):
         np.testing.assert_array_equal(seen[0][k], single.reset(seed=20 + k)[0])

@@ -21,7 +21,7 @@ from coopenv.envs.spec import Specified
 from coopenv.transport import Transport
 
 
-class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
+class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):  # pyright: ignore[reportIncompatibleVariableOverride]
     """A team carries an object, driven by one joint action.
 
     Observation: the blocks of agent 0, then of agent 1, …; `observation_blocks` maps each name to

@@ -24,7 +24,7 @@ from coopenv.info import UNDEFINED_AT_START, Info
 from coopenv.transport import Seed, Transport
 
 
-class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):
+class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ignore[reportIncompatibleVariableOverride]
     """``num_envs`` worlds stepped together; spaces and rewards as in `TransportEnv`.
 
     Parameters
