@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import coopenv
-from coopenv import BLOCKS, Body, Box, Scene, TransportTask
+from coopenv import BLOCKS, Body, Box, Scene, TransportTask, WalkerAvoidTask, WalkerTurnTask
 from coopenv.rewards import PRESETS
 from coopenv.wrench import METHODS, Settings
 
@@ -24,6 +24,14 @@ NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
 EASY = TransportTask(  # random motion succeeds now and then
     position_tolerance=1.5, angle_tolerance=1.0, speed_tolerance=5.0, spin_tolerance=5.0
 )
+_EASY_WALK = {
+    "position_tolerance": 2.5, "angle_tolerance": 2.0, "speed_tolerance": 5.0, "spin_tolerance": 5.0
+}  # fmt: skip
+EASY_TASKS = {  # the same on each id's own task
+    "coopenv/BeamTransport-v0": EASY,
+    "coopenv/WalkerAvoid-v0": WalkerAvoidTask(**{**_EASY_WALK, "position_tolerance": 4.2}),
+    "coopenv/WalkerTurn-v0": WalkerTurnTask(**_EASY_WALK),
+}
 CLUTTERED = Scene(
     size=(7.0, 6.5),
     obstacles=(
@@ -70,6 +78,25 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "three agents": {"body": TRIO},
     "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
 }
+
+# What an id documents beside them.
+OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+    "coopenv/WalkerAvoid-v0": {
+        "three obstacles": {"task": WalkerAvoidTask(obstacles=3, obstacle_size=(0.3, 0.5))},
+        "both are told": {"informed": None},
+    },
+    "coopenv/WalkerTurn-v0": {
+        "gentle turns": {"task": WalkerTurnTask(path_length=(1.0, 2.0), turn=(0.0, 0.5))},
+        "without wheels": {"body": Body.walker(nonholonomic=False)},
+    },
+}
+COMMON = ("defaults", "every block", "forces", "reward balanced", "cluttered", "three agents")
+CASES: list[tuple[str, str, dict[str, Any]]] = [  # every id with its options: id, name, keywords
+    *((IDS[0], name, keywords) for name, keywords in OPTIONS.items()),
+    *((view, name, OPTIONS[name]) for view in IDS[1:] for name in COMMON),
+    *((view, name, own) for view in IDS for name, own in OWN_OPTIONS.get(view, {}).items()),
+]
+CASE_NAMES = [f"{view}-{name}" for view, name, _ in CASES]
 
 
 def actions(seed: int, steps: int, *shape: int) -> npt.NDArray[np.float64]:

@@ -7,9 +7,10 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, PARALLEL, TRIO
+from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO
 
 from coopenv import BLOCKS, Body, Box, Scene, Transport, TransportConfig, TransportTask, rewards
+from coopenv.envs.module import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.wrench import Settings
 
@@ -19,6 +20,7 @@ def test_the_keywords_of_every_view_are_the_fields_of_one_configuration():
     wanted = TransportConfig(**keywords)
     assert Transport(**keywords).config == wanted
     for name, module in PARALLEL.items():
+        wanted = find_config(name, keywords)
         for view in (
             gymnasium.make(name, **keywords),
             gymnasium.make_vec(name, num_envs=2, **keywords),
@@ -157,8 +159,20 @@ JSON = {
 }
 
 
-@pytest.mark.parametrize("name", IDS)
-@pytest.mark.parametrize("keywords", JSON.values(), ids=JSON)
+JSON_CASES = {  # every id with what it has to bring back
+    **{f"{IDS[0]}-{name}": (IDS[0], values) for name, values in JSON.items()},
+    **{
+        f"{view}-{name}": (view, values)
+        for view in IDS[1:]
+        for name, values in {
+            **{name: JSON[name] for name in ("defaults", "room", "cluttered")},
+            **OWN_OPTIONS.get(view, {}),
+        }.items()
+    },
+}
+
+
+@pytest.mark.parametrize(("name", "keywords"), JSON_CASES.values(), ids=JSON_CASES)
 def test_an_environment_comes_back_from_json_as_it_was(name, keywords):
     made = gymnasium.make(name, **keywords)
     assert made.spec is not None

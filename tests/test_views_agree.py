@@ -6,7 +6,7 @@ import pytest
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
 from helpers import (
     CLUTTERED,
-    EASY,
+    EASY_TASKS,
     IDS,
     OPEN_ROOM,
     OPTIONS,
@@ -18,6 +18,7 @@ from helpers import (
 )
 
 from coopenv import Transport
+from coopenv.envs.module import find_config
 
 AGREEING = [
     "defaults",
@@ -34,6 +35,14 @@ AGREEING = [
 ]
 
 
+PAIRS = [  # the ids after the first differ in their tasks only
+    (view, name)
+    for view in IDS
+    for name in (AGREEING if view == IDS[0] else ("defaults", "cluttered", "three agents"))
+]
+EVERY_PAIR = pytest.mark.parametrize(("view", "name"), PAIRS)
+
+
 def agent_info(info, i):
     """Agent ``i``'s part of one world of the core's info, as a view gives it."""
     own = {}
@@ -46,9 +55,9 @@ def agent_info(info, i):
     return own
 
 
-def episode(name):
+def episode(view, name):
     """A core of one world, its first observation, and every step under random actions."""
-    core = Transport(**{"horizon": 30, **OPTIONS[name]})
+    core = Transport(config=find_config(view, {"horizon": 30, **OPTIONS[name]}))
     first, steps = core.reset(seed=40), []
     for action in actions(0, core.horizon, 1, core.num_agents, core.action_size).astype(np.float32):
         steps.append((action[0], *core.step(action)))
@@ -65,10 +74,9 @@ def started(info):
     return {name: value for name, value in info.items() if not name.endswith("load_share")}
 
 
-@pytest.mark.parametrize("view", IDS)
-@pytest.mark.parametrize("name", AGREEING)
+@EVERY_PAIR
 def test_the_gymnasium_view_shows_the_core_to_the_bit(view, name):
-    _, first, steps = episode(name)
+    _, first, steps = episode(view, name)
     env = gymnasium.make(view, **{"horizon": 30, **OPTIONS[name]})
     obs, info = env.reset(seed=40)
     np.testing.assert_array_equal(obs, joint(first[0]), strict=True)
@@ -86,11 +94,10 @@ def test_the_gymnasium_view_shows_the_core_to_the_bit(view, name):
             assert info["reward_terms"][key] == value[0].mean(), key
 
 
-@pytest.mark.parametrize("module", PARALLEL.values(), ids=PARALLEL)
-@pytest.mark.parametrize("name", AGREEING)
-def test_the_parallel_view_shows_the_core_to_the_bit(module, name):
-    core, first, steps = episode(name)
-    env = module.parallel_env(**{"horizon": 30, **OPTIONS[name]})
+@EVERY_PAIR
+def test_the_parallel_view_shows_the_core_to_the_bit(view, name):
+    core, first, steps = episode(view, name)
+    env = PARALLEL[view].parallel_env(**{"horizon": 30, **OPTIONS[name]})
     assert env.possible_agents == [f"agent_{i}" for i in range(core.num_agents)]
     obs, info = env.reset(seed=40)
     for i, agent in enumerate(env.possible_agents):
@@ -107,10 +114,9 @@ def test_the_parallel_view_shows_the_core_to_the_bit(module, name):
     assert env.agents == []
 
 
-@pytest.mark.parametrize("module", PARALLEL.values(), ids=PARALLEL)
-@pytest.mark.parametrize("name", AGREEING)
-def test_the_turn_taking_view_shows_the_parallel_one_to_the_bit(module, name):
-    keywords = {"horizon": 30, **OPTIONS[name]}
+@EVERY_PAIR
+def test_the_turn_taking_view_shows_the_parallel_one_to_the_bit(view, name):
+    module, keywords = PARALLEL[view], {"horizon": 30, **OPTIONS[name]}
     parallel, turns = module.parallel_env(**keywords), module.env(**keywords)
     obs, info = parallel.reset(seed=40)
     turns.reset(seed=40)
@@ -135,11 +141,10 @@ def test_the_turn_taking_view_shows_the_parallel_one_to_the_bit(module, name):
         assert_same(turns.infos[agent], info[agent])
 
 
-@pytest.mark.parametrize("view", IDS)
-@pytest.mark.parametrize("name", AGREEING)
+@EVERY_PAIR
 def test_the_vector_view_shows_the_core_to_the_bit(view, name):
-    keywords = {"horizon": 12, "task": EASY, **OPTIONS[name]}
-    core = Transport(num_worlds=3, **keywords)
+    keywords = {"horizon": 12, "task": EASY_TASKS[view], **OPTIONS[name]}
+    core = Transport(num_worlds=3, config=find_config(view, keywords))
     env = gymnasium.make_vec(view, num_envs=3, autoreset_mode="Disabled", **keywords)
     mask = None
     plan = actions(1, 25, 3, core.num_agents, core.action_size).astype(np.float32)
@@ -193,12 +198,14 @@ VECTORED = {
 }
 
 
-@pytest.mark.parametrize("view", IDS)
-@pytest.mark.parametrize("name", VECTORED)
+@pytest.mark.parametrize(
+    ("view", "name"),
+    [(view, name) for view in IDS for name in (VECTORED if view == IDS[0] else ["own task"])],
+)
 @pytest.mark.parametrize("mode", list(AutoresetMode), ids=lambda mode: mode.name)
 def test_the_vector_view_behaves_as_gymnasiums_own_over_single_ones(view, name, mode):
     count, within = 4, 1e-5  # float32 observations of up to 100 m
-    keywords = {"horizon": 9, "task": EASY, **VECTORED[name]}
+    keywords = {"horizon": 9, "task": EASY_TASKS[view], **VECTORED.get(name, {})}
     ours = gymnasium.make_vec(view, num_envs=count, autoreset_mode=mode, **keywords)
     theirs = SyncVectorEnv(
         [lambda: gymnasium.make(view, **keywords) for _ in range(count)], autoreset_mode=mode
