@@ -82,7 +82,7 @@ class WalkerGains:
 
     approach: float = 1.0  # [1/s] wanted speed per metre left
     speed: float = 1.0  # [m/s] at most
-    spin: float = 0.72  # [rad/s] at most; the default drive's torque makes 0.8
+    spin: float = 1.0  # [rad/s] at most, and 0.9 of what the torque makes against the drag
     braking: float = 0.5  # [m/s²] the speed leaves room to brake so hard before the goal
     heading: float = 2.5  # [1/s] wanted spin per radian off the way
     arrival: float = 0.6  # [1/s] wanted spin per radian between the way and the goal's angle
@@ -157,13 +157,21 @@ class WalkerController:
         stop, way = next_stops(state.pose, state.goal, room.boxes, room.count, room.size, radius)
         wanted = _wanted(
             state.pose, state.goal, stop, way[:, 0], gains.approach, gains.speed, gains.braking,
-            gains.heading, gains.arrival, gains.spin, gains.near,
+            gains.heading, gains.arrival, self._spins(transition), gains.near,
         )  # fmt: skip
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
         speed, spin = c * state.twist[:, 0] + s * state.twist[:, 1], state.twist[:, 2]
         force = load.mass * gains.damping * (wanted[:, 0] - speed) + load.linear_drag * speed
         turning = load.inertia * gains.damping * (wanted[:, 1] - spin)
         return force, turning + load.angular_drag * wanted[:, 1]
+
+    def _spins(self, transition: Transition) -> FloatArray:
+        """How fast each body is to turn at most, ``(world,)`` [rad/s]."""
+        team, drag = transition.team, transition.conditions.load.angular_drag
+        torque = team.limits[:, -1, 1]  # [N·m]
+        if self._width == 2:
+            torque = team.limits[:, 0, 0] * np.abs(team.grips[:, 0, 0])
+        return np.minimum(self.gains.spin, 0.9 * torque / np.maximum(drag, 1e-9))
 
     def _actions(self, applied: FloatArray, transition: Transition) -> FloatArray:
         team = transition.team
@@ -201,9 +209,9 @@ def _wanted(
             fast = min(speed, approach * left, np.sqrt(2 * braking * left))
             wanted[k, 0] = sense * fast * max(np.cos(into), 0.0)
             wanted[k, 1] = heading * into - arrival * out_of
-        if abs(wanted[k, 1]) > spin:  # slower, so that the bend stays as it is
-            wanted[k, 0] *= spin / abs(wanted[k, 1])
-            wanted[k, 1] = spin * np.sign(wanted[k, 1])
+        if abs(wanted[k, 1]) > spin[k]:  # slower, so that the bend stays as it is
+            wanted[k, 0] *= spin[k] / abs(wanted[k, 1])
+            wanted[k, 1] = spin[k] * np.sign(wanted[k, 1])
     return wanted
 
 

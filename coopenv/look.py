@@ -3,6 +3,7 @@
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.body import Body
 from coopenv.canvas import Color, Pen, arrow, bent_arrow
 
 PAGE: Color = (255, 255, 255)
@@ -46,6 +47,15 @@ def chevron(pen: Pen, center: FloatArray, angle: float, color: Color, unit: floa
     side = np.array([-forward[1], forward[0]])
     ends = [center - 2 * unit * forward + across * unit * side for across in (3.2, -3.2)]
     pen.line([ends[0], center + 2 * unit * forward, ends[1]], 1.6 * unit, color)
+
+
+def wheels(body: Body) -> list[FloatArray]:
+    """Outlines of a wheel at each side of the centre of mass, object frame [m]."""
+    ys = [y for _, y in body.outline]
+    long, thick = 0.16 * body.reach, 0.06 * body.reach
+    sides = min(ys) + 1.5 * thick, max(ys) - 1.5 * thick
+    corners = ((-long, -thick), (long, -thick), (long, thick), (-long, thick))
+    return [np.array([(x, y + side) for x, y in corners]) for side in sides]
 
 
 def wrench_arrows(

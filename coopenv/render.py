@@ -31,6 +31,7 @@ from coopenv.look import (
     agent_color,
     chevron,
     ghost,
+    wheels,
     wrench_arrows,
 )
 from coopenv.scene import Scene
@@ -186,7 +187,7 @@ class Renderer:
         color, unit = ARRIVED if success else EDGE, self._unit
         with self._canvas.fine(around([outline, grips], 8 * unit)) as pen:
             ghost(pen, outline, color, unit)
-            chevron(pen, self._pixels(goal[:2]), goal[2], color, unit)
+            chevron(pen, self._pixels(self._mark(goal)), goal[2], color, unit)
             for agent, grip in enumerate(grips):
                 pen.disc(grip, 6 * unit, agent_color(agent))
                 pen.disc(grip, 3.4 * unit, FLOOR)
@@ -201,7 +202,9 @@ class Renderer:
             pen.polygon(outline + 2.5 * unit, SHADOW)
             pen.polygon(outline, fill)
             pen.line(outline, 1.6 * unit, edge, closed=True)
-            chevron(pen, self._pixels(pose[:2]), pose[2], edge, unit)
+            for wheel in wheels(self.body) if self.body.nonholonomic else ():
+                pen.polygon(self._placed(wheel, pose), edge)
+            chevron(pen, self._pixels(self._mark(pose)), pose[2], edge, unit)
 
     def _draw_wrenches(self, transition: Transition) -> None:
         k, unit = self.world, self._unit
@@ -230,6 +233,13 @@ class Renderer:
                     pen.polygon(shape, INTERNAL)
                 for radius, color in ((8, EDGE), (6.8, PAGE), (5.4, agent_color(agent))):
                     pen.disc(grip, radius * unit, color)
+
+    def _mark(self, pose: FloatArray) -> FloatArray:
+        """Where the mark of the heading goes [m]: to the centre of mass unless a grip is there."""
+        if np.linalg.norm(self.body.grips, axis=1).min() > 0.1:
+            return pose[:2]
+        ahead = 0.7 * max(x for x, _ in self.body.outline)
+        return pose[:2] + ahead * np.array([cos(pose[2]), sin(pose[2])])
 
     def _placed(self, points: npt.ArrayLike, pose: FloatArray) -> FloatArray:
         """Points of the object frame [m] in the picture [px]."""

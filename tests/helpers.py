@@ -41,6 +41,9 @@ NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
 EASY = TransportTask(  # random motion succeeds now and then
     position_tolerance=1.5, angle_tolerance=1.0, speed_tolerance=5.0, spin_tolerance=5.0
 )
+_EASY_WALK = {
+    "position_tolerance": 2.5, "angle_tolerance": 2.0, "speed_tolerance": 5.0, "spin_tolerance": 5.0
+}  # fmt: skip
 EASY_TASKS = {  # the same on each id's own task
     "coopenv/BeamTransport-v0": EASY,
     "coopenv/BeamDoorway-v0": DoorwayTask(
@@ -54,12 +57,8 @@ EASY_TASKS = {  # the same on each id's own task
         mean_tolerance=5.0,
         duration=0.1,
     ),
-    "coopenv/WalkerAvoid-v0": WalkerAvoidTask(
-        position_tolerance=4.0, angle_tolerance=1.5, speed_tolerance=5.0, spin_tolerance=5.0
-    ),
-    "coopenv/WalkerTurn-v0": WalkerTurnTask(
-        position_tolerance=1.5, angle_tolerance=1.5, speed_tolerance=5.0, spin_tolerance=5.0
-    ),
+    "coopenv/WalkerAvoid-v0": WalkerAvoidTask(**{**_EASY_WALK, "position_tolerance": 4.2}),
+    "coopenv/WalkerTurn-v0": WalkerTurnTask(**_EASY_WALK),
 }
 CLUTTERED = Scene(
     size=(7.0, 6.5),
@@ -176,6 +175,14 @@ OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
         "one preview": {"task": TrackingTask(preview=(0.4,), segments=1, duration=4.0)},
         "observe preview": {"observe": ("preview", "reference_twist")},
         "told to one": {"informed": (1,)},
+    },
+    "coopenv/WalkerAvoid-v0": {
+        "three obstacles": {"task": WalkerAvoidTask(obstacles=3, obstacle_size=(0.3, 0.5))},
+        "both are told": {"informed": None},
+    },
+    "coopenv/WalkerTurn-v0": {
+        "gentle turns": {"task": WalkerTurnTask(path_length=(1.0, 2.0), turn=(0.0, 0.5))},
+        "without wheels": {"body": Body.walker(nonholonomic=False)},
     },
 }
 COMMON = ("defaults", "every block", "forces", "reward balanced", "cluttered", "three agents")

@@ -194,7 +194,7 @@ JSON_CASES = {  # every id with what it has to bring back
         f"{view}-{name}": (view, values)
         for view in IDS[1:]
         for name, values in {
-            **{name: JSON[name] for name in ("defaults", "task", "room", "cluttered")},
+            **{name: JSON[name] for name in ("defaults", "room", "cluttered")},
             **OWN_OPTIONS.get(view, {}),
         }.items()
     },

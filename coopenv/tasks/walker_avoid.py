@@ -45,6 +45,8 @@ class WalkerAvoidTask(RollingTask):
         If a range is not two numbers in order, or another value breaks its rule.
     """
 
+    position_tolerance: float = 0.2  # [m]
+    angle_tolerance: float = 0.2  # [rad]
     obstacles: int = 1
     obstacle_size: Range = (0.3, 0.7)  # [m]
     approach: Range = (1.6, 2.4)  # [m]
