@@ -11,6 +11,7 @@ from coopenv import rewards, wrench
 from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.observation import BLOCKS, Block
+from coopenv.partner import Partner, Player
 from coopenv.scene import Box, Scene
 from coopenv.tasks import Episode, Task, TransportTask
 from coopenv.transition import State, Transition
@@ -24,6 +25,8 @@ __all__ = [
     "Body",
     "Box",
     "Episode",
+    "Partner",
+    "Player",
     "Scene",
     "State",
     "Task",

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from importlib import import_module
 from itertools import product
 from typing import Any, Self
 
@@ -11,6 +12,7 @@ from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Block, check_blocks
+from coopenv.partner import Partner
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
 from coopenv.tasks import Task, TransportTask
@@ -49,6 +51,12 @@ class TransportConfig:
     informed
         Agents that are told the goal, by number; ``None``: all of them, as far as the task tells
         it. To the others the goal reads 0, and so does the ``known`` block.
+    partner
+        Who drives some of the agents, so that the others learn with somebody: a
+        `coopenv.partner.Partner`, or the name of one in `coopenv.agents.partners.PARTNERS`.
+        Whatever ``informed`` says, it knows its own plan.
+    partner_agents
+        The agents it drives, by number; ``None``: the last one.
 
     Raises
     ------
@@ -69,6 +77,8 @@ class TransportConfig:
     substeps: int = 2
     decomposition: Settings = field(default_factory=Settings)
     informed: Sequence[int] | None = None
+    partner: Partner | str | None = None
+    partner_agents: Sequence[int] | None = None
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -84,6 +94,7 @@ class TransportConfig:
         _set(self, "dt", positive(self.dt, "dt", unit="seconds"))
         _set(self, "substeps", whole(self.substeps, "substeps", at_least=1))
         _set(self, "decomposition", _built(self.decomposition, "decomposition", Settings))
+        _set(self, "partner", _partner(self.partner))
         self._check_agreement()
 
     @classmethod
@@ -113,6 +124,19 @@ class TransportConfig:
         """Effectors in every world."""
         return (self.body if isinstance(self.body, Body) else self.body[0]).num_agents
 
+    @property
+    def driven(self) -> tuple[int, ...]:
+        """Agents that the partner drives; none without one."""
+        if self.partner is None:
+            return ()
+        agents = self.partner_agents
+        return (self.num_agents - 1,) if agents is None else tuple(agents)
+
+    @property
+    def learners(self) -> tuple[int, ...]:
+        """Agents that nobody drives from inside: those who learn."""
+        return tuple(agent for agent in range(self.num_agents) if agent not in self.driven)
+
     def bodies(self, num_worlds: int) -> tuple[Body, ...]:
         """One body a world."""
         return _spread(self.body, "body", num_worlds)
@@ -140,8 +164,36 @@ class TransportConfig:
             limit = _limit(getattr(self, name), name, self.num_agents)
             object.__setattr__(self, name, limit)
         object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
+        self._check_partner()
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
+
+
+    def _check_partner(self) -> None:
+        agents = _agents(self.partner_agents, "partner_agents", self.num_agents)
+        object.__setattr__(self, "partner_agents", agents)
+        if self.partner is None and agents is not None:
+            raise InvalidInput(
+                f"partner_agents must come with a partner, got {agents} without; "
+                "pass for example partner='follower'"
+            )
+        if self.partner is not None and not (self.driven and self.learners):
+            raise InvalidInput(
+                f"partner_agents must name at least one of {self.num_agents} agents and leave at "
+                f"least one to learn, got {self.driven}; change them, or give body another grip"
+            )
+
+
+def _partner(value: Any) -> Any:
+    """The partner of that name; anything else has to be one, or None."""
+    if isinstance(value, str):  # names live with the agents, which the core imports on demand only
+        return import_module("coopenv.agents.partners").find_partner(value)
+    if value is not None and (isinstance(value, type) or not isinstance(value, Partner)):
+        raise InvalidInput(
+            f"partner must be a name or have a method player(config, num_worlds, agents), got "
+            f"{value!r}; see coopenv.agents.partners"
+        )
+    return value
 
 
 def _built(value: Any, name: str, kind: type) -> Any:
