@@ -21,7 +21,7 @@ def gains_row(gains: Gains) -> FloatArray:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def object_wrench(
     gains, pose, twist, goal, mass, inertia, linear_drag, angular_drag, outline, size, reach
 ):  # pragma: no cover - compiled
@@ -62,7 +62,7 @@ def object_wrench(
     return c * fx + s * fy, c * fy - s * fx, torque
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _free_box(
     margin, look_ahead, turn, pose, goal, outline, size, reach
 ):  # pragma: no cover - compiled
@@ -72,16 +72,17 @@ def _free_box(
     if not far:  # then no wall matters, whatever the angle
         return -near_x, near_x, -near_y, near_y
     ahead = min(max(turn, -look_ahead), look_ahead)
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    c_step, s_step = np.cos(ahead / (LOOKS - 1)), np.sin(ahead / (LOOKS - 1))
     left = right = down = up = 0.0
     for look in range(LOOKS):
-        angle = pose[2] + ahead * look / (LOOKS - 1)
-        c, s = np.cos(angle), np.sin(angle)
         for v in range(len(outline)):
             x = c * outline[v, 0] - s * outline[v, 1]
             y = s * outline[v, 0] + c * outline[v, 1]
             if look == 0 and v == 0:
                 left, right, down, up = x, x, y, y
             left, right, down, up = min(left, x), max(right, x), min(down, y), max(up, y)
+        c, s = c * c_step - s * s_step, s * c_step + c * s_step
     low_x, high_x = -size[0] / 2 + margin - left, size[0] / 2 - margin - right
     low_y, high_y = -size[1] / 2 + margin - down, size[1] / 2 - margin - up
     middle_x, middle_y = (low_x + high_x) / 2, (low_y + high_y) / 2

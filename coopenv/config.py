@@ -168,7 +168,6 @@ class TransportConfig:
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
 
-
     def _check_partner(self) -> None:
         agents = _agents(self.partner_agents, "partner_agents", self.num_agents)
         object.__setattr__(self, "partner_agents", agents)

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from coopenv import frames
-from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array
+from numba import njit
+
+from coopenv.arrays import FloatArray, IntArray, finite_array
 from coopenv.errors import InvalidInput
 from coopenv.info import Info
 from coopenv.transition import Transition
@@ -87,9 +88,9 @@ class Company:
     """
 
     def __init__(self, config: "TransportConfig", num_worlds: int):
-        assert config.partner is not None
+        assert isinstance(config.partner, Partner)
         self._task, self._num_agents = config.task, config.num_agents
-        self._driven, self._learners = list(config.driven), list(config.learners)
+        self._driven, self._learners = np.array(config.driven), np.array(config.learners)
         self._shape = (num_worlds, len(self._driven), 3)
         self.player = config.partner.player(config, num_worlds, config.driven)
 
@@ -106,22 +107,17 @@ class Company:
             If the learners' actions or the partner's wrenches are not finite, or the latter have
             the wrong shape. If it is the former, the partner was not asked.
         """
-        given = finite_array(action, "action")
+        given = action if np.isfinite(action).all() else finite_array(action, "action")
         wrench = np.asarray(self.player.act(before), dtype=np.float64)
         if wrench.shape != self._shape:
             raise InvalidInput(
                 f"wrenches of the partner must have shape (world, driven agent, 3) = "
                 f"{self._shape}, got {wrench.shape}; give one row for each agent it drives"
             )
-        team, width = before.team, given.shape[2]
-        joint = np.empty((len(given), self._num_agents, width))
-        joint[:, self._learners] = given
-        joint[:, self._driven] = frames.actions_from_wrenches(
-            np.ascontiguousarray(finite_array(wrench, "wrenches of the partner")),
-            np.take(team.frame, self._driven, axis=1),
-            np.take(team.limits, self._driven, axis=1),
-            width,
-        )
+        team = before.team
+        joint = _joint(given, wrench, self._learners, self._driven, team.frame, team.limits)
+        if not np.isfinite(joint).all():
+            finite_array(wrench, "wrenches of the partner")  # raises, naming the place
         return joint
 
     def of_learners(self, value: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -141,12 +137,41 @@ class Company:
         member of a population it is.
         """
         state = transition.next_state
-        plan = self.player.plan(transition)
-        decided: BoolArray = ~np.isnan(plan).any(axis=1)
-        disagreement = self._task.distance(np.where(decided[:, None], plan, state.goal), state.goal)
+        plan, target, decided = _where_to(self.player.plan(transition), state.pose, state.goal)
         return {
-            "partner_plan": np.where(decided[:, None], plan, state.pose),
+            "partner_plan": plan,
             "partner_has_plan": decided,
-            "disagreement": disagreement,
-            "partner_kind": self.player.kind.copy(),
+            "disagreement": self._task.distance(target, state.goal),
+            "partner_kind": self.player.kind,
         }
+
+
+@njit(cache=True)
+def _joint(action, wrench, learners, driven, frame, limits):  # pragma: no cover - compiled
+    """Actions of all agents ``(world, agent, a)``: the learners' own, the others' from wrenches."""
+    num_worlds, _, width = action.shape
+    joint = np.empty((num_worlds, len(learners) + len(driven), width))
+    for k in range(num_worlds):
+        for number, i in enumerate(learners):
+            for j in range(width):
+                joint[k, i, j] = action[k, number, j]
+        for number, i in enumerate(driven):
+            c, s = frame[k, i, 0], frame[k, i, 1]
+            x, y = wrench[k, number, 0], wrench[k, number, 1]
+            joint[k, i, 0] = (c * x + s * y) / limits[k, i, 0]
+            joint[k, i, 1] = (c * y - s * x) / limits[k, i, 0]
+            if width == 3:
+                joint[k, i, 2] = wrench[k, number, 2] / limits[k, i, 1]
+    return joint
+
+
+@njit(cache=True)
+def _where_to(plan, pose, goal):  # pragma: no cover - compiled
+    """Plans, with the pose and with the goal where there is none, and whether there is one."""
+    shown, target = plan.copy(), plan.copy()
+    decided = np.ones(len(plan), dtype=np.bool_)
+    for k in range(len(plan)):
+        decided[k] = not np.isnan(plan[k]).any()
+        if not decided[k]:
+            shown[k], target[k] = pose[k], goal[k]
+    return shown, target, decided

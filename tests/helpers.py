@@ -66,6 +66,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "other task": {"task": TransportTask(position_tolerance=0.5, clearance=0.3, min_distance=2.0)},
     "one agent": {"body": Body(grips=((0.4, 0.0),))},
     "three agents": {"body": TRIO},
+    "partner": {"partner": "population", "horizon": 10},
+    "two of three driven": {"body": TRIO, "partner": "noisy", "partner_agents": (0, 2)},
     "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
 }
 

@@ -24,12 +24,32 @@ from .traits import (
 _SWITCH, _NOISE = np.uint64(0), np.uint64(1)  # which of a step's random numbers
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def act(
-    traits, keys, now, steps, wanted_twist, memory,
-    pose, twist, twist_before, goal, applied,
-    mass, inertia, linear_drag, angular_drag, outline, size, reach,
-    grips, frame, limits, allocation, driven, dt,
+    traits,
+    keys,
+    now,
+    steps,
+    wanted_twist,
+    memory,
+    pose,
+    twist,
+    twist_before,
+    goal,
+    applied,
+    mass,
+    inertia,
+    linear_drag,
+    angular_drag,
+    outline,
+    size,
+    reach,
+    grips,
+    frame,
+    limits,
+    allocation,
+    driven,
+    dt,
 ):  # pragma: no cover - compiled
     """Wrenches ``(world, driven, 3)`` [N, N·m], object frame; the partner's memory moves on.
 
@@ -61,6 +81,7 @@ def act(
         Control step [s].
     """
     out = np.empty((len(traits), len(driven), 3))
+    parts, plan, slots = np.empty((len(grips[0]), 3)), np.empty(3), memory.shape[1]
     for k in range(len(traits)):
         draw = mixed(keys[k], np.uint64(steps[k]))
         stay = traits[k, now[k], STAY]
@@ -68,9 +89,10 @@ def act(
             now[k] = 1 - now[k]
         row = traits[k, now[k]]
         load = (mass[k], inertia[k], linear_drag[k], angular_drag[k])
-        slot = steps[k] % memory.shape[1]
+        held = memory[k, steps[k] % slots]
         if row[ROLE] == PLANS:
-            plan = goal[k] + row[AWAY_X : AWAY_X + 3]
+            for j in range(3):
+                plan[j] = goal[k, j] + row[AWAY_X + j]
             x, y, torque = object_wrench(
                 row[GAINS : GAINS + NUM_GAINS], pose[k], twist[k], plan,
                 *load, outline[k], size[k], reach[k],
@@ -78,7 +100,7 @@ def act(
             strength = row[STRENGTH]
             _give_part(
                 strength * x, strength * y, strength * torque,
-                allocation[k], frame[k], limits[k], driven, memory[k, slot],
+                allocation[k], frame[k], limits[k], driven, parts, held,
             )  # fmt: skip
             wanted_twist[k] = twist[k]
         else:
@@ -88,23 +110,23 @@ def act(
             if row[ROLE] == FOLLOWS:
                 _follow(
                     row, x, y, torque, pose[k], twist[k], load, wanted_twist[k],
-                    allocation[k], frame[k], limits[k], driven, memory[k, slot], dt,
+                    allocation[k], frame[k], limits[k], driven, parts, held, dt,
                 )  # fmt: skip
             else:
                 part = row[SHARE] / (1 - row[SHARE]) / len(driven)
-                _carry(part * x, part * y, part * torque, grips[k], driven, memory[k, slot])
+                _carry(part * x, part * y, part * torque, grips[k], driven, held)
                 wanted_twist[k] = twist[k]
-        _shake(row, draw, memory[k, slot])
+        _shake(row, draw, held)
         delay = int(row[DELAY])
         if steps[k] >= delay:
-            out[k] = memory[k, (steps[k] - delay) % memory.shape[1]]
+            out[k] = memory[k, (steps[k] - delay) % slots]
         else:
-            out[k] = 0.0
+            out[k] = 0.0  # nothing reached the hand yet
         steps[k] += 1
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _felt(pose, twist, before, applied, grips, driven, load, dt):  # pragma: no cover - compiled
     """What moved the object in the last step beside this partner, object frame: M v̇ + D v − h."""
     mass, inertia, linear_drag, angular_drag = load
@@ -121,30 +143,35 @@ def _felt(pose, twist, before, applied, grips, driven, load, dt):  # pragma: no 
     return x, y, torque
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _follow(
-    row, x, y, torque, pose, twist, load, wanted, allocation, frame, limits, driven, out, dt
+    row, x, y, torque, pose, twist, load, wanted, allocation, frame, limits, driven, parts, out, dt
 ):  # pragma: no cover - compiled
     """Let a lighter object answer what is felt, and do the own part to move the real one so."""
     mass, inertia, linear_drag, angular_drag = load
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    felt = (c * x - s * y, s * x + c * y, torque)  # world frame
-    needed = np.empty(3)
-    for j in range(3):
-        weight, drag = (mass, linear_drag) if j < 2 else (inertia, angular_drag)
-        left = np.exp(-drag / weight * dt)
-        gain = (1 - left) / drag if drag > 0 else dt / weight
-        wanted[j] = left * wanted[j] + gain * felt[j] / row[HEAVINESS]
-        needed[j] = drag * wanted[j] + weight * row[EAGERNESS] * (wanted[j] - twist[j])
+    felt_x, felt_y = c * x - s * y, s * x + c * y
+    fx = _answered(row, 0, felt_x, twist, wanted, mass, linear_drag, dt)
+    fy = _answered(row, 1, felt_y, twist, wanted, mass, linear_drag, dt)
+    needed = _answered(row, 2, torque, twist, wanted, inertia, angular_drag, dt)
     _give_part(
-        c * needed[0] + s * needed[1], c * needed[1] - s * needed[0], needed[2],
-        allocation, frame, limits, driven, out,
+        c * fx + s * fy, c * fy - s * fx, needed,
+        allocation, frame, limits, driven, parts, out,
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _answered(row, j, felt, twist, wanted, weight, drag, dt):  # pragma: no cover - compiled
+    """Move one component of the wanted motion on, and what the object needs to move so."""
+    left = np.exp(-drag / weight * dt)
+    gain = (1 - left) / drag if drag > 0 else dt / weight
+    wanted[j] = left * wanted[j] + gain * felt / row[HEAVINESS]
+    return drag * wanted[j] + weight * row[EAGERNESS] * (wanted[j] - twist[j])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _give_part(
-    x, y, torque, allocation, frame, limits, driven, out
+    x, y, torque, allocation, frame, limits, driven, parts, out
 ):  # pragma: no cover - compiled
     """The driven agents' parts of an object wrench, scaled down where anybody's limit is met.
 
@@ -152,20 +179,21 @@ def _give_part(
     that equal plans make equal wrenches.
     """
     largest = 1.0
-    given = np.empty((len(frame), 3))
-    for i in range(len(frame)):
+    for i in range(len(parts)):
         for j in range(3):
-            a = allocation[i, j]
-            given[i, j] = a[0] * x + a[1] * y + a[2] * torque
+            parts[i, j] = (
+                allocation[i, j, 0] * x + allocation[i, j, 1] * y + allocation[i, j, 2] * torque
+            )
         c, s = frame[i, 0], frame[i, 1]
-        along, across = c * given[i, 0] + s * given[i, 1], c * given[i, 1] - s * given[i, 0]
+        along, across = c * parts[i, 0] + s * parts[i, 1], c * parts[i, 1] - s * parts[i, 0]
         largest = max(largest, max(abs(along), abs(across)) / limits[i, 0])
-        largest = max(largest, abs(given[i, 2]) / limits[i, 1])
+        largest = max(largest, abs(parts[i, 2]) / limits[i, 1])
     for number in range(len(driven)):
-        out[number] = given[driven[number]] / largest
+        for j in range(3):
+            out[number, j] = parts[driven[number], j] / largest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _carry(x, y, torque, grips, driven, out):  # pragma: no cover - compiled
     """Give each driven agent this wrench at the centre of mass, moved to its grip."""
     for number in range(len(driven)):
@@ -174,7 +202,7 @@ def _carry(x, y, torque, grips, driven, out):  # pragma: no cover - compiled
         out[number, 2] = torque - (grips[i, 0] * y - grips[i, 1] * x)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _shake(row, draw, out):  # pragma: no cover - compiled
     """Add the noise of an unsteady hand."""
     if row[FORCE_NOISE] == 0 and row[TORQUE_NOISE] == 0:

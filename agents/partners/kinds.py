@@ -26,9 +26,7 @@ class Kind(ABC):
 
     __slots__ = ()
 
-    def player(
-        self, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
-    ) -> "Person":
+    def player(self, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]) -> "Person":
         """Somebody of this kind; see `coopenv.partner.Partner`."""
         from .person import Person
 
@@ -146,9 +144,7 @@ class LoadSharing(Kind):
 
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""
-        return same_twice(
-            len(chance), role=traits.SHARES, share=drawn(self.share, chance, "share")
-        )
+        return same_twice(len(chance), role=traits.SHARES, share=drawn(self.share, chance, "share"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,8 +1,8 @@
 """The player behind every scripted partner."""
 
 import numpy as np
+from numba import njit
 
-from coopenv import frames
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.partner import Generators
@@ -81,10 +81,19 @@ class Person:
 
     def plan(self, transition: Transition) -> FloatArray:
         """Poses ``(world, 3)`` it wants the object to reach; NaN where it follows."""
-        row = self._traits[np.arange(len(self._now)), self._now]
-        plan = frames.wrap_pose(transition.next_state.goal + row[:, _AWAY])
-        plan[row[:, traits.ROLE] != traits.PLANS] = np.nan
-        return plan
+        return _plans(self._traits, self._now, transition.next_state.goal)
+
+
+@njit(cache=True)
+def _plans(rows, now, goal):  # pragma: no cover - compiled
+    plan = np.empty_like(goal)
+    for k in range(len(goal)):
+        row = rows[k, now[k]]
+        for j in range(3):
+            moved = goal[k, j] + row[traits.AWAY_X + j]
+            plan[k, j] = moved if row[traits.ROLE] == traits.PLANS else np.nan
+        plan[k, 2] = np.pi - (np.pi - plan[k, 2]) % (2 * np.pi)
+    return plan
 
 
 def _inside(away: FloatArray, start: Transition) -> FloatArray:
@@ -92,7 +101,9 @@ def _inside(away: FloatArray, start: Transition) -> FloatArray:
     goal, half = start.next_state.goal, start.conditions.room.size / 2
     angle = (goal[:, 2] + away[:, 2])[:, None]
     x, y = np.moveaxis(start.conditions.load.outline, -1, 0)
-    turned = np.stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y])
+    turned = np.stack(
+        [np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y]
+    )
     low = -half - turned.min(axis=2).T - goal[:, :2]
     high = half - turned.max(axis=2).T - goal[:, :2]
     shift = away[:, :2]
