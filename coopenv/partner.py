@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
-
 from numba import njit
 
 from coopenv.arrays import FloatArray, IntArray, finite_array
@@ -138,10 +137,11 @@ class Company:
         """
         state = transition.next_state
         plan, target, decided = _where_to(self.player.plan(transition), state.pose, state.goal)
+        apart = (target != state.goal).any(axis=1)  # distances from a pose to itself are rounded
         return {
             "partner_plan": plan,
             "partner_has_plan": decided,
-            "disagreement": self._task.distance(target, state.goal),
+            "disagreement": np.where(apart, self._task.distance(target, state.goal), 0.0),
             "partner_kind": self.player.kind,
         }
 

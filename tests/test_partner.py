@@ -117,7 +117,7 @@ def test_plan_and_disagreement_are_told_in_the_info_and_nowhere_else():
         *_, info = core.step(np.zeros((3, 1, 3)))
         assert core.transition is not None
         goal = core.transition.next_state.goal
-        np.testing.assert_allclose(info["partner_plan"], goal + [0.3, 0.4, 0])
+        np.testing.assert_allclose(info["partner_plan"], goal + np.array([0.3, 0.4, 0]))
         np.testing.assert_allclose(info["disagreement"], 0.5)
         assert info["partner_has_plan"].all()
     *_, info = Transport().reset(seed=0)

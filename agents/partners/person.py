@@ -92,7 +92,8 @@ def _plans(rows, now, goal):  # pragma: no cover - compiled
         for j in range(3):
             moved = goal[k, j] + row[traits.AWAY_X + j]
             plan[k, j] = moved if row[traits.ROLE] == traits.PLANS else np.nan
-        plan[k, 2] = np.pi - (np.pi - plan[k, 2]) % (2 * np.pi)
+        if row[traits.AWAY_TURN] != 0:  # an unturned goal is kept to the bit
+            plan[k, 2] = np.pi - (np.pi - plan[k, 2]) % (2 * np.pi)
     return plan
 
 
@@ -108,8 +109,8 @@ def _inside(away: FloatArray, start: Transition) -> FloatArray:
     high = half - turned.max(axis=2).T - goal[:, :2]
     shift = away[:, :2]
     out, back = (shift < low) | (shift > high), (-shift >= low) & (-shift <= high)
-    cut = np.clip(shift, np.minimum(low, 0), np.maximum(high, 0))
-    placed = np.where(out, np.where(back, -shift, cut), shift)
+    cut = np.clip(shift, np.minimum(low, high), np.maximum(low, high))
+    placed = np.where(out & away.any(axis=1, keepdims=True), np.where(back, -shift, cut), shift)
     return np.concatenate([placed, away[:, 2:]], axis=1)
 
 
