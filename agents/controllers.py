@@ -85,7 +85,7 @@ class ImpedanceController:
         self._masses, self._inertias = virtual_masses, virtual_inertias
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, agent, action_size)``."""
+        """Actions ``(world, learner, action_size)``; it counts on a partner to do its part."""
         team = transition.team
         applied = allocate(
             self.object_wrench(transition),
@@ -96,7 +96,8 @@ class ImpedanceController:
         )
         action = frames.actions_from_wrenches(applied, team.frame, team.limits, self._width)
         largest = np.abs(action).max(axis=(1, 2), keepdims=True)
-        return action / np.maximum(largest, 1.0)
+        scaled = action / np.maximum(largest, 1.0)
+        return scaled if self.config.partner is None else scaled[:, list(self.config.learners)]
 
     def object_wrench(self, transition: Transition) -> FloatArray:
         """Wrench ``(world, 3)`` [N, N·m] that the object needs, object frame."""

@@ -12,12 +12,14 @@ class Policy(Protocol):
     """Anything callable so can be evaluated, drawn and compared; see `coopenv.agents.evaluate`."""
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
-        """Actions ``(world, agent, action_size)`` in [−1, 1], agent frame.
+        """Actions ``(world, learner, action_size)`` in [−1, 1], agent frame.
+
+        Learners are the agents that no partner drives: without one, all.
 
         Parameters
         ----------
         obs
-            ``(world, agent, feature)``, what each agent sees.
+            ``(world, learner, feature)``, what each of them sees.
         transition
             The step that led here; ``transition.next_state`` is where every world is. Learned
             policies ignore it, scripted ones may read all of it.

@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import gymnasium
@@ -27,6 +27,7 @@ from coopenv.files import written
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
+from . import partners
 from .episodes import Episodes, EpisodeSums
 from .settings import find_config
 
@@ -40,7 +41,7 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.sb3", "train") from error
 
-CONTROLS = ("joint", "shared")
+CONTROLS = ("joint", "shared", "partner")
 
 
 def make_vec_env(
@@ -62,7 +63,10 @@ def make_vec_env(
         Worlds stepped together.
     control
         ``"joint"``: one policy moves the whole team; a row is a world. ``"shared"``: every agent
-        runs the same policy on what it sees itself; a row is an agent.
+        runs the same policy on what it sees itself; a row is an agent. ``"partner"``: somebody
+        else drives all agents but one (``partner=``, by default
+        `coopenv.agents.partners.DEFAULT`); a row is a world. Agents that a partner drives have no
+        part in any of the three.
     seed
         World k is seeded with ``seed + k`` at the first reset.
     render_mode
@@ -85,7 +89,10 @@ class TransportVecEnv(VecEnv):
     ============  ==============  =================  ===============  ====================
     ``joint``     world           all agents' sight  all agents'      mean over the team
     ``shared``    world · n + i   agent i's sight    agent i's        agent i's own
+    ``partner``   world           the learner's      the learner's    the learner's
     ============  ==============  =================  ===============  ====================
+
+    Agents, and their number n, are those whom no partner drives.
 
     Infos are empty but in the step that ends an episode; there they hold ``is_success``,
     ``terminal_observation``, ``TimeLimit.truncated`` and ``episode``: ``r`` return, ``l`` length
@@ -111,14 +118,16 @@ class TransportVecEnv(VecEnv):
         if control not in CONTROLS:
             raise UnknownName("control", control, CONTROLS)
         check_render_mode(render_mode, ["rgb_array"])  # no window holds many worlds
+        if control == "partner":
+            config = _with_partner(config)
         self.transport = Transport(num_worlds=num_worlds, config=config)
         self.control, self.render_mode = control, render_mode
-        self._rows = 1 if control == "joint" else self.transport.num_agents
+        self._rows = len(self.transport.learners) if control == "shared" else 1
         self._pictures = Pictures(self.transport, render_mode)
         self._sums = EpisodeSums(self.transport.num_worlds, self.transport.num_agents)
         self._start_time = time.perf_counter()
         self._action: npt.NDArray = np.empty(0)
-        joint = control == "joint"
+        joint = control != "shared"
         observation = team_observation_space if joint else agent_observation_space
         action = team_action_space if joint else agent_action_space
         super().__init__(
@@ -155,7 +164,7 @@ class TransportVecEnv(VecEnv):
             worlds = np.flatnonzero(done)
             self._report(infos, worlds, self._sums.take(worlds), obs, truncated)
             obs, _ = self.transport.reset(mask=done)
-        rewards = reward.mean(axis=1) if self.control == "joint" else reward.reshape(-1)
+        rewards = reward.reshape(-1) if self.control == "shared" else reward.mean(axis=1)
         return self._by_row(obs), rewards.astype(np.float32), np.repeat(done, self._rows), infos
 
     def close(self) -> None:
@@ -219,7 +228,7 @@ class TransportVecEnv(VecEnv):
         for number, world in enumerate(worlds.tolist()):
             for agent in range(self._rows):
                 row = world * self._rows + agent
-                mine = slice(None) if self.control == "joint" else slice(agent, agent + 1)
+                mine = slice(agent, agent + 1) if self.control == "shared" else slice(None)
                 infos[row].update(
                     {
                         "terminal_observation": last[row].copy(),
@@ -228,6 +237,18 @@ class TransportVecEnv(VecEnv):
                         "episode": {**_statistics(ended, number, mine), "t": elapsed},
                     }
                 )
+
+
+def _with_partner(config: TransportConfig) -> TransportConfig:
+    """The configuration, with the default partner where it has none; one agent is left to learn."""
+    if config.partner is None:
+        config = replace(config, partner=partners.DEFAULT)
+    if len(config.learners) > 1:
+        raise InvalidInput(
+            f"partner_agents must leave one agent to learn for control='partner', got "
+            f"{config.driven} of {config.num_agents}; name more of them, or use 'joint' or 'shared'"
+        )
+    return config
 
 
 def _statistics(ended: Episodes, number: int, agents: slice) -> dict[str, float]:
@@ -273,7 +294,7 @@ class SB3Policy:
         save_model(self.model, path)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, agent, action_size)``."""
+        """Actions ``(world, learner, action_size)``."""
         num_worlds, num_agents, size = obs.shape
         seen = self.model.observation_space.shape
         if seen == (num_agents * size,):
@@ -347,5 +368,5 @@ def feature_scale(venv: TransportVecEnv) -> list[float]:
     for name, where in core.observation.blocks.items():
         if name in known:
             scale[where] = list(known[name])
-    rows = core.num_agents if venv.control == "joint" else 1
+    rows = 1 if venv.control == "shared" else len(core.learners)
     return np.tile(scale, rows).tolist()

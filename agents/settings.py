@@ -2,7 +2,7 @@
 
 import json
 import os
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -11,6 +11,8 @@ from coopenv.config import TransportConfig
 from coopenv.envs import module
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import written
+
+from . import partners
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +31,9 @@ class EnvironmentChoice:
     """What an agent gives: forces and torque, or forces alone."""
     horizon: int | None = None
     """Control steps after which an episode is truncated."""
+    partner: str | None = None
+    """Who drives the last agent: impedance, leader, follower, lagging, noisy, stubborn,
+    load_sharing, switching, population (coopenv.agents.partners)."""
 
     def config(self) -> TransportConfig:
         """The environment's whole configuration.
@@ -63,8 +68,9 @@ class TrainConfig:
     """PPO of Stable-Baselines3; the defaults learn BeamTransport."""
 
     environment: EnvironmentChoice = field(default_factory=EnvironmentChoice)
-    control: Literal["joint", "shared"] = "joint"
-    """One policy for the whole team, or the same policy for every agent."""
+    control: Literal["joint", "shared", "partner"] = "joint"
+    """One policy for the whole team, the same policy for every agent, or a policy for the one agent
+    that is left beside a partner (environment.partner; impedance if none is named)."""
     seed: int = 0
     """Number of the run; no two runs share an episode (coopenv.agents.seeds)."""
     steps: int = 600_000
@@ -117,6 +123,9 @@ class TrainConfig:
             _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))
             _set(self, "hidden", tuple(self.hidden))
             _set(self, "out", Path(self.out))
+        if self.control == "partner" and self.environment.partner is None:
+            partnered = replace(self.environment, partner=partners.DEFAULT)
+            object.__setattr__(self, "environment", partnered)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings and lists."""

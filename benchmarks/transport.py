@@ -20,10 +20,12 @@ import numpy as np
 import pymunk.batch as batch
 
 from coopenv import Box, Scene, Sensor, Transport
+from coopenv.agents.partners import PARTNERS
 from coopenv.observation import DEFAULT_BLOCKS
 
 SIZES = (1, 16, 256, 1024)
 SENSED_SIZES = (256, 1024)
+PARTNERED = 1024  # worlds in which partners are timed
 FOUR_BOXES = Scene(
     obstacles=tuple(
         Box(center=(x, y), size=(0.4, 0.3), angle=x * y)
@@ -35,6 +37,7 @@ IMPERFECT = (*DEFAULT_BLOCKS, Sensor("obstacles", noise=0.02, bias=0.01, delay=2
 REPEATS = 9
 TARGET_RATIO = 1.5  # full step to five bare substeps, at 256 worlds and more
 TARGET_RANGES = 0.5  # µs a world that ranges add for each agent
+TARGET_PARTNER = 1.0  # what a partner adds to a step, to the bare physics at the same substeps
 TARGET_SINGLE = 8_000  # steps/s of the single Gymnasium environment
 
 
@@ -101,7 +104,8 @@ def compare_senses(num_worlds: int) -> list[str]:
 
 def full_step(core: Transport, steps: int) -> float:
     """Seconds a batched control step, resets of ended worlds included."""
-    actions = np.random.default_rng(0).uniform(-1, 1, (steps, core.num_worlds, core.num_agents, 3))
+    shape = (steps, core.num_worlds, len(core.learners), 3)
+    actions = np.random.default_rng(0).uniform(-1, 1, shape)
     core.reset(seed=0)
     began = time.perf_counter()
     for k in range(steps):
@@ -182,6 +186,26 @@ def single_gymnasium() -> float:
     return median(rates[1:])
 
 
+def partner_costs() -> list[list[str]]:
+    """What each kind of partner adds to a step, beside the bare physics; a line a kind."""
+    alone = Transport(num_worlds=PARTNERED)
+    cores = {name: Transport(num_worlds=PARTNERED, partner=name) for name in PARTNERS}
+    for core in (alone, *cores.values()):
+        full_step(core, 2)
+    added = {name: [] for name in cores}
+    ratios = {name: [] for name in cores}
+    for _ in range(REPEATS):
+        for name, core in cores.items():
+            bare, without, full = (
+                bare_step(alone, alone.substeps, 20),
+                full_step(alone, 20),
+                full_step(core, 20),
+            )
+            added[name].append((full - without) / PARTNERED * 1e6)
+            ratios[name].append((full - without) / bare)
+    return [[name, f"{median(added[name]):.2f}", f"{median(ratios[name]):.2f}"] for name in cores]
+
+
 def tables() -> list[tuple[str, list[str], list[list[str]]]]:
     """Title, columns and rows of what this module measures."""
     lines = []
@@ -226,6 +250,11 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
                 "ranges, an agent",
             ],
             sensed,
+        ),
+        (
+            f"Partners in {PARTNERED:,} worlds (target: ≤ {TARGET_PARTNER:g} × bare physics)",
+            ["partner", "adds [µs/world]", "adds / bare, same substeps"],
+            partner_costs(),
         ),
         ("gymnasium.make(...).unwrapped, one world", ["steps/s", "target"], single),
     ]

@@ -12,6 +12,7 @@ from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.envs.module import register
 from coopenv.observation import BLOCKS, Block
+from coopenv.partner import Partner, Player
 from coopenv.randomisation import Ranges
 from coopenv.scene import Box, Scene
 from coopenv.sensor import Sensor
@@ -37,6 +38,8 @@ __all__ = [
     "Box",
     "DoorwayTask",
     "Episode",
+    "Partner",
+    "Player",
     "Ranges",
     "Reference",
     "Scene",

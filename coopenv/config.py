@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from importlib import import_module
 from itertools import product
 from typing import Any, Self
 
@@ -11,6 +12,7 @@ from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, find_blocks
+from coopenv.partner import Partner
 from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
@@ -59,6 +61,12 @@ class TransportConfig:
     randomise
         What of body and team every episode draws anew, a `Ranges`; infos then say what was drawn,
         under ``body``. ``None``: nothing.
+    partner
+        Who drives some of the agents, so that the others learn with somebody: a
+        `coopenv.partner.Partner`, or the name of one in `coopenv.agents.partners.PARTNERS`.
+        Whatever ``informed`` says, it knows its own plan.
+    partner_agents
+        The agents it drives, by number; ``None``: the last one.
 
     Raises
     ------
@@ -81,6 +89,8 @@ class TransportConfig:
     decomposition: Settings = field(default_factory=Settings)
     informed: Sequence[int] | None = None
     randomise: Ranges | None = None
+    partner: Partner | str | None = None
+    partner_agents: Sequence[int] | None = None
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -99,6 +109,7 @@ class TransportConfig:
         _set(self, "decomposition", _built(self.decomposition, "decomposition", Settings))
         if self.randomise is not None:
             _set(self, "randomise", _built(self.randomise, "randomise", Ranges))
+        _set(self, "partner", _partner(self.partner))
         self._check_agreement()
 
     @classmethod
@@ -132,6 +143,19 @@ class TransportConfig:
         """Effectors in every world."""
         return (self.body if isinstance(self.body, Body) else self.body[0]).num_agents
 
+    @property
+    def driven(self) -> tuple[int, ...]:
+        """Agents that the partner drives; none without one."""
+        if self.partner is None:
+            return ()
+        agents = self.partner_agents
+        return (self.num_agents - 1,) if agents is None else tuple(agents)
+
+    @property
+    def learners(self) -> tuple[int, ...]:
+        """Agents that nobody drives from inside: those who learn."""
+        return tuple(agent for agent in range(self.num_agents) if agent not in self.driven)
+
     def bodies(self, num_worlds: int) -> tuple[Body, ...]:
         """One body a world."""
         return _spread(self.body, "body", num_worlds)
@@ -162,6 +186,7 @@ class TransportConfig:
         Observation(self.observe, self.num_agents)  # raises where numbers and features do not match
         if self.randomise is not None:
             self._check_ranges(self.randomise, bodies, scenes)
+        self._check_partner()
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
         find_reward(self.reward).check(self.num_agents)
@@ -229,6 +254,32 @@ def _with_blocks_of(task: Task, observe: Any) -> Any:
     if not isinstance(observe, Sequence):
         return observe
     return tuple(own.get(block, block) if isinstance(block, str) else block for block in observe)
+
+    def _check_partner(self) -> None:
+        agents = _agents(self.partner_agents, "partner_agents", self.num_agents)
+        object.__setattr__(self, "partner_agents", agents)
+        if self.partner is None and agents is not None:
+            raise InvalidInput(
+                f"partner_agents must come with a partner, got {agents} without; "
+                "pass for example partner='follower'"
+            )
+        if self.partner is not None and not (self.driven and self.learners):
+            raise InvalidInput(
+                f"partner_agents must name at least one of {self.num_agents} agents and leave at "
+                f"least one to learn, got {self.driven}; change them, or give body another grip"
+            )
+
+
+def _partner(value: Any) -> Any:
+    """The partner of that name; anything else has to be one, or None."""
+    if isinstance(value, str):  # names live with the agents, which the core imports on demand only
+        return import_module("coopenv.agents.partners").find_partner(value)
+    if value is not None and (isinstance(value, type) or not isinstance(value, Partner)):
+        raise InvalidInput(
+            f"partner must be a name or have a method player(config, num_worlds, agents), got "
+            f"{value!r}; see coopenv.agents.partners"
+        )
+    return value
 
 
 def _built(value: Any, name: str, kind: type) -> Any:

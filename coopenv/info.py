@@ -10,6 +10,7 @@ from coopenv.transition import Transition
 Info = dict[str, Any]  # name -> array with one entry a world, or a dict of such arrays
 
 UNDEFINED_AT_START = ("force_load_share", "torque_load_share")
+POSES = ("partner_plan",)  # three numbers a world, not one an agent
 
 
 def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:

@@ -17,6 +17,7 @@ from coopenv.draws import Draws
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.info import Info, copied, replaced, start_info, step_info, with_worlds
 from coopenv.observation import Observation
+from coopenv.partner import Company
 from coopenv.rewards import find_reward
 from coopenv.scene import Scene
 from coopenv.tasks import JudgedTask, MovingTask, WayTask
@@ -45,6 +46,10 @@ class Transport:
         Bodies, scenes, team and plans of the episodes under way.
     dt, substeps, horizon, num_worlds, num_agents, action_size
         Read from the configuration.
+    learners
+        Numbers of the agents that actions, observations and rewards are of, in this order: all,
+        or those that ``config.partner`` does not drive. Infos are of all agents, but
+        ``reward_terms``.
     transition
         The last step, or the start; ``None`` before the first reset.
     generators
@@ -73,6 +78,7 @@ class Transport:
         self.config = config if config is not None else TransportConfig.parse(keywords)
         self.num_worlds = whole(num_worlds, "num_worlds", at_least=1)
         self.num_agents = self.config.num_agents
+        self.learners = self.config.learners
         self.action_size = ACTIONS[self.config.action]
         self.dt, self.substeps = self.config.dt, self.config.substeps
         self.horizon = self.config.horizon
@@ -88,6 +94,8 @@ class Transport:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
+        partnered = self.config.partner is not None
+        self._company = Company(self.config, self.num_worlds) if partnered else None
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         task = self.config.task
@@ -155,7 +163,7 @@ class Transport:
 
         Returns
         -------
-        Observations ``(world, agent, feature)`` and infos of all worlds, as after a step.
+        Observations ``(world, learner, feature)`` and infos of all worlds, as after a step.
 
         Raises
         ------
@@ -181,12 +189,20 @@ class Transport:
             drawn_pose if pose is None else pose[worlds],
             drawn_goal if goal is None else goal[worlds],
         )
+        company = self._company
         obs, info = self.observation(start, worlds), start_info(start, tuple(self.reward))
+        if company is not None:
+            company.begin(worlds, self.generators, start)
+            obs = company.of_learners(obs)
+            info["reward_terms"] = company.terms_of_learners(info["reward_terms"])
         if self.transition is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:
             self.transition = self.transition.with_worlds(worlds, start, self.conditions)
-            obs, info = replaced(self._obs, worlds, obs), with_worlds(self._info, worlds, info)
+            obs = replaced(self._obs, worlds, obs)
+            info = with_worlds({name: self._info[name] for name in info}, worlds, info)
+        if company is not None:
+            info.update(company.info(self.transition))
         self._obs, self._info = obs, info
         return obs.copy(), copied(info)
 
@@ -198,14 +214,14 @@ class Transport:
         Parameters
         ----------
         action
-            ``(world, agent, action_size)``, agent frame; clipped to [−1, 1].
+            ``(world, learner, action_size)``, agent frame; clipped to [−1, 1].
         restart
             ``(world,)`` bool: worlds that begin a new episode in this step. Their action is
             ignored, their reward is zero and their observation is the first of the episode.
 
         Returns
         -------
-        Observations ``(world, agent, feature)``, rewards ``(world, agent)``, terminated and
+        Observations ``(world, learner, feature)``, rewards ``(world, learner)``, terminated and
         truncated ``(world,)``, infos. A world that ended has to be reset before the next step.
 
         Raises
@@ -248,7 +264,13 @@ class Transport:
         )
         reward, parts = self.reward(transition)
         self._obs = self.observation(transition)
+        company = self._company
+        if company is not None:
+            self._obs, reward = company.of_learners(self._obs), company.of_learners(reward)
+            parts = company.terms_of_learners(parts)
         self._info = step_info(transition, parts)
+        if company is not None:
+            self._info.update(company.info(transition))
         if restart is None or not restart.any():
             return self._obs, reward, success, truncated, self._info
         obs, info = self.reset(mask=restart)
@@ -259,7 +281,7 @@ class Transport:
         self, action: npt.ArrayLike, restart: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
         """Clipped actions, and the wrenches in the object frame that they stand for."""
-        wanted = (self.num_worlds, self.num_agents, self.action_size)
+        wanted = (self.num_worlds, len(self.learners), self.action_size)
         try:
             given = np.asarray(action, dtype=np.float64)
         except (TypeError, ValueError):
@@ -267,8 +289,11 @@ class Transport:
         if given.shape != wanted:
             raise InvalidInput(
                 f"action must have shape (world, agent, {self.action_size}) = {wanted}, "
-                f"got {given.shape}; stack one row an agent"
+                f"got {given.shape}; stack one row an agent that learns"
             )
+        if self._company is not None:
+            assert self.transition is not None
+            given = self._company.joint(given, self.transition)
         if restart is not None:
             given = np.where(restart[:, None, None], 0.0, given)
         clipped, applied, finite = frames.wrenches_from_actions(

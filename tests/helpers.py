@@ -139,6 +139,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "plate of four": {"body": Body.plate(4)},
     "randomised": {"randomise": ALONG},
     "randomised plate": {"body": Body.plate(3), "randomise": WIDE, "observe": ("goal", "body")},
+    "partner": {"partner": "population", "horizon": 10},
+    "two of three driven": {"body": TRIO, "partner": "noisy", "partner_agents": (0, 2)},
     "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
 }
 

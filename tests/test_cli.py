@@ -89,6 +89,7 @@ def test_evaluate_takes_the_environment_a_policy_was_trained_in(tmp_path, capsys
         (("evaluate", "scripted:moore"), "moore_penrose"),
         (("evaluate", "random", "--reward", "harmonie"), "harmony"),
         (("evaluate", "random", "--env", "coopenv/Beam-v0"), "BeamTransport-v0"),
+        (("evaluate", "random", "--partner", "stuborn"), "stubborn"),
     ],
 )
 def test_a_wrong_name_is_explained_in_one_line(arguments, message, capsys):

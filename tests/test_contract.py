@@ -139,7 +139,7 @@ def check_observation(obs, space):
 def check_info(info, *, may_be_undefined=("load_share",)):
     """Everything finite but shares, and single numbers of Python's own types."""
     for path, value in leaves(info):
-        assert isinstance(value, np.ndarray | float | bool), (path, type(value))
+        assert isinstance(value, np.ndarray | float | bool | int), (path, type(value))
         if not any(word in path for word in may_be_undefined):
             assert np.isfinite(np.asarray(value, dtype=float)).all(), path
 

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import EASY, actions
+from helpers import EASY, TRIO, actions
 
 pytest.importorskip("stable_baselines3")
 
@@ -52,6 +52,36 @@ def test_rows_are_worlds_under_joint_and_agents_under_shared_control():
         assert obs.shape[1:] == venv.observation_space.shape
         assert obs.dtype == np.float32
         assert all(venv.observation_space.contains(row) for row in obs)
+
+
+def test_a_row_is_the_one_who_learns_under_partner_control():
+    venv = sb3.make_vec_env(
+        num_worlds=3, control="partner", seed=5, partner="stubborn", task=EASY, horizon=6
+    )
+    core = Transport(config=venv.transport.config, num_worlds=3)
+    expected, _ = core.reset(seed=5)
+    assert venv.num_envs == 3
+    assert (venv.observation_space.shape, venv.action_space.shape) == ((22,), (3,))
+    np.testing.assert_array_equal(venv.reset(), expected[:, 0])
+    for action in actions(0, 8, 3, 3):
+        obs, reward, done, infos = venv.step(action)
+        expected, earned, terminated, truncated, _ = core.step(action[:, None])
+        np.testing.assert_array_equal(done, terminated | truncated)
+        np.testing.assert_allclose(reward, earned[:, 0], atol=1e-6)
+        for k in np.flatnonzero(done):
+            np.testing.assert_array_equal(infos[k]["terminal_observation"], expected[k, 0])
+            assert infos[k]["episode"]["l"] <= 6
+        if done.any():
+            expected, _ = core.reset(mask=done)
+        np.testing.assert_array_equal(obs, expected[:, 0])
+
+
+def test_partner_control_brings_a_partner_and_leaves_one_agent():
+    assert sb3.make_vec_env(num_worlds=1, control="partner").transport.learners == (0,)
+    with pytest.raises(InvalidInput, match="partner_agents must leave one agent to learn"):
+        sb3.make_vec_env(num_worlds=1, control="partner", body=TRIO)
+    venv = sb3.make_vec_env(num_worlds=2, body=TRIO, partner="noisy", control="shared")
+    assert venv.num_envs == 4  # the two who are not driven, in two worlds
 
 
 @pytest.mark.parametrize("control", CONTROLS)
@@ -195,7 +225,7 @@ def test_it_draws_every_world():
         sb3.make_vec_env(num_worlds=2, render_mode="human")
 
 
-@pytest.mark.parametrize("control", CONTROLS)
+@pytest.mark.parametrize("control", [*CONTROLS, "partner"])
 def test_ppo_learns_and_is_evaluated_without_a_warning(control: str):
     venv = small(control)
     with warnings.catch_warnings():

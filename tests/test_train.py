@@ -16,6 +16,7 @@ from stable_baselines3 import PPO
 
 from coopenv import TransportConfig
 from coopenv.agents.evaluate import evaluate
+from coopenv.agents.partners import Stubborn
 from coopenv.agents.seeds import HELD_OUT, training_seeds
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.agents.train import train
@@ -126,6 +127,18 @@ def test_shared_control_counts_control_steps_and_runs_every_agent(tmp_path):
     assert evaluate(policy, SHORT, episodes=3).episodes == 3
 
 
+def test_partner_control_trains_the_one_who_is_left(tmp_path):
+    config = tiny(tmp_path, control="partner")
+    assert config.environment.partner == "impedance"  # somebody has to be there
+    environment = replace(config.environment.config(), horizon=8)
+    rows = []
+    policy = train(config, environment=environment, report=rows.append)
+    assert policy.model.num_timesteps == rows[-1]["steps"] == 128
+    assert policy.model.observation_space.shape == (22,)
+    assert evaluate(policy, environment, episodes=3).episodes == 3
+    assert TrainConfig.load(tmp_path / "config.json") == config
+
+
 def test_training_warns_of_nothing_and_gives_the_threads_back(tmp_path):
     before = torch.get_num_threads()
     with warnings.catch_warnings():
@@ -166,6 +179,7 @@ def test_a_choice_changes_only_what_it_names():
     assert "relative_cost" in chosen.reward
     assert chosen.observe == ("goal",)
     assert chosen.action == "force"
+    assert EnvironmentChoice(partner="stubborn").config().partner == Stubborn()
     assert chosen.horizon == TransportConfig().horizon
 
 

@@ -26,25 +26,25 @@ def agent_action_space(transport: Transport) -> "Box[np.float32]":
 
 
 def team_observation_space(transport: Transport) -> "Box[np.float32]":
-    """What all agents of a world see, one after the other."""
+    """What all agents of a world that learn see, one after the other."""
     low, high = transport.observation.low, transport.observation.high
-    count = transport.num_agents
+    count = len(transport.learners)
     return Box(np.tile(low, count), np.tile(high, count), dtype=np.float32)
 
 
 def team_action_space(transport: Transport) -> "Box[np.float32]":
-    """What all agents of a world do, one after the other."""
-    return Box(-1.0, 1.0, (transport.num_agents * transport.action_size,), dtype=np.float32)
+    """What all agents of a world that learn do, one after the other."""
+    return Box(-1.0, 1.0, (len(transport.learners) * transport.action_size,), dtype=np.float32)
 
 
 def team_actions(
     transport: Transport, action: npt.ArrayLike, shape: tuple[int, ...] | None
 ) -> npt.NDArray[Any]:
-    """Joint actions of ``shape`` as the core takes them: ``(world, agent, action_size)``."""
+    """Joint actions of ``shape`` as the core takes them: ``(world, learner, action_size)``."""
     given = np.asarray(action)
     if given.shape != shape:
         raise InvalidInput(f"action must have shape {shape}, got {given.shape}; see action_space")
-    return given.reshape(transport.num_worlds, transport.num_agents, transport.action_size)
+    return given.reshape(transport.num_worlds, len(transport.learners), transport.action_size)
 
 
 def check_render_mode(mode: str | None, known: Sequence[str]) -> str | None:

@@ -31,8 +31,9 @@ ByAgent = dict[str, Any]
 class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     """A team carries an object, each agent on its own.
 
-    Every agent has its own observation and reward; they end together. Info, per agent: as
-    `coopenv.info.step_info`, wrenches, shares and reward terms its own.
+    Every agent has its own observation and reward; they end together. Agents that a ``partner``
+    drives are not among them. Info, per agent: as `coopenv.info.step_info`, wrenches, shares and
+    reward terms its own; of a partner, as `coopenv.partner.Company.info`.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         self.render_mode = render_mode
         fps = max(1, round(1 / self.transport.dt))
         self.metadata = {**self.metadata, "name": name, "render_fps": fps}
-        self.possible_agents = [f"agent_{i}" for i in range(self.transport.num_agents)]
+        self.possible_agents = [f"agent_{i}" for i in self.transport.learners]
         self.agents: list[str] = []
         self.observation_spaces = {
             agent: agent_observation_space(self.transport) for agent in self.possible_agents
@@ -146,15 +147,21 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
 
     def _infos(self, info: infos.Info) -> ByAgent:
         single = infos.one(info, 0)
-        return {agent: _own(single, i) for i, agent in enumerate(self.possible_agents)}
+        rows = zip(self.possible_agents, self.transport.learners, strict=True)
+        return {agent: _own(single, i, row) for row, (agent, i) in enumerate(rows)}
 
 
-def _own(info: infos.Info, i: int) -> infos.Info:
-    """Agent ``i``'s part: its row of what is per agent, the rest as it is."""
+def _own(info: infos.Info, i: int, row: int) -> infos.Info:
+    """Agent ``i``'s part: its row of what is per agent, the rest as it is.
+
+    Reward terms are of the learners only, of whom it is number ``row``.
+    """
     own: infos.Info = {}
     for name, value in info.items():
         if isinstance(value, dict):
-            own[name] = _own(value, i)
+            own[name] = _own(value, row, row)
+        elif isinstance(value, np.ndarray) and name in infos.POSES:
+            own[name] = value.copy()
         elif isinstance(value, np.ndarray):
             own[name] = value[i].copy() if value.ndim > 1 else value.item(i)
         else:

@@ -1,0 +1,124 @@
+"""The player behind every scripted partner."""
+
+import numpy as np
+from numba import njit
+
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.config import ACTIONS, TransportConfig
+from coopenv.partner import Generators
+from coopenv.transition import Transition
+from coopenv.wrench.grasp import grasp_matrix
+
+from . import traits
+from .chance import Chance, draw_keys
+from .hands import act
+from .kinds import Kind
+
+_AWAY = slice(traits.AWAY_X, traits.AWAY_TURN + 1)
+
+
+class Person:
+    """Plays a `Kind` in a batch of worlds: draws what it is like, and remembers what it must.
+
+    Parameters
+    ----------
+    what
+        The kind.
+    config
+        Of the environment.
+    num_worlds
+        Worlds stepped together.
+    agents
+        Numbers of the agents it drives.
+    """
+
+    def __init__(
+        self, what: Kind, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
+    ):
+        self.what, self._dt = what, config.dt
+        self._width, self._driven = ACTIONS[config.action], np.array(agents)
+        self._traits = np.zeros((num_worlds, 2, traits.NUM_TRAITS))
+        self._keys = np.zeros(num_worlds, dtype=np.uint64)
+        self._now = np.zeros(num_worlds, dtype=np.int64)
+        self._steps = np.zeros(num_worlds, dtype=np.int64)
+        self._wanted_twist = np.zeros((num_worlds, 3))
+        self._memory = np.zeros((num_worlds, what.longest_delay + 1, len(agents), 3))
+        self._grips = np.full((num_worlds, config.num_agents, 2), np.nan)
+        self._allocation = np.zeros((num_worlds, config.num_agents, 3, 3))
+        self._reach = np.zeros(num_worlds)
+
+    @property
+    def kind(self) -> IntArray:
+        """``(world,)``: which of a population's members it is."""
+        return self._traits[:, 0, traits.KIND].astype(np.int64)
+
+    def reset(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
+        """Begin an episode in ``worlds``; see `coopenv.partner.Player`."""
+        keys = draw_keys(generators, worlds)
+        rows = self.what.traits(Chance(keys))
+        for now in range(2):
+            rows[:, now, _AWAY] = _inside(rows[:, now, _AWAY], start)
+        self._traits[worlds], self._keys[worlds] = rows, keys
+        self._now[worlds], self._steps[worlds], self._wanted_twist[worlds] = 0, 0, 0
+        self._memory[worlds] = 0
+        self._reach[worlds] = np.hypot(*np.moveaxis(start.conditions.load.outline, -1, 0)).max(1)
+        grips = start.team.grips
+        if not np.array_equal(self._grips[worlds], grips):
+            self._grips[worlds] = grips
+            self._allocation[worlds] = _allocation(grips, self._width)
+
+    def act(self, transition: Transition) -> FloatArray:
+        """Wrenches for the next step; see `coopenv.partner.Player`."""
+        state, team = transition.next_state, transition.team
+        load, room = transition.conditions.load, transition.conditions.room
+        return act(
+            self._traits, self._keys, self._now, self._steps, self._wanted_twist, self._memory,
+            state.pose, state.twist, transition.state.twist, state.goal, transition.applied,
+            load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,
+            room.size, self._reach,
+            team.grips, team.frame, team.limits, self._allocation, self._driven, self._dt,
+        )  # fmt: skip
+
+    def plan(self, transition: Transition) -> FloatArray:
+        """Poses ``(world, 3)`` it wants the object to reach; NaN where it follows."""
+        return _plans(self._traits, self._now, transition.next_state.goal)
+
+
+@njit(cache=True)
+def _plans(rows, now, goal):  # pragma: no cover - compiled
+    plan = np.empty_like(goal)
+    for k in range(len(goal)):
+        row = rows[k, now[k]]
+        for j in range(3):
+            moved = goal[k, j] + row[traits.AWAY_X + j]
+            plan[k, j] = moved if row[traits.ROLE] == traits.PLANS else np.nan
+        if row[traits.AWAY_TURN] != 0:  # an unturned goal is kept to the bit
+            plan[k, 2] = np.pi - (np.pi - plan[k, 2]) % (2 * np.pi)
+    return plan
+
+
+def _inside(away: FloatArray, start: Transition) -> FloatArray:
+    """Offsets ``(world, 3)`` mirrored, or where that does not help cut, to stay in the room."""
+    goal, half = start.next_state.goal, start.conditions.room.size / 2
+    angle = (goal[:, 2] + away[:, 2])[:, None]
+    x, y = np.moveaxis(start.conditions.load.outline, -1, 0)
+    turned = np.stack(
+        [np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y]
+    )
+    low = -half - turned.min(axis=2).T - goal[:, :2]
+    high = half - turned.max(axis=2).T - goal[:, :2]
+    shift = away[:, :2]
+    out, back = (shift < low) | (shift > high), (-shift >= low) & (-shift <= high)
+    cut = np.clip(shift, np.minimum(low, high), np.maximum(low, high))
+    placed = np.where(out & away.any(axis=1, keepdims=True), np.where(back, -shift, cut), shift)
+    return np.concatenate([placed, away[:, 2:]], axis=1)
+
+
+def _allocation(grips: FloatArray, width: int) -> FloatArray:
+    """Each agent's part ``(world, agent, 3, 3)`` of an object wrench: the pseudoinverse (eq. 7)."""
+    num_worlds, num_agents = grips.shape[:2]
+    columns = [3 * i + j for i in range(num_agents) for j in range(width)]
+    parts = np.linalg.pinv(grasp_matrix(grips)[..., columns])
+    allocation = np.zeros((num_worlds, num_agents, 3, 3))
+    allocation[:, :, :width] = parts.reshape(num_worlds, num_agents, width, 3)
+    return allocation

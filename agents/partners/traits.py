@@ -1,0 +1,69 @@
+"""What tells one scripted partner from another: a row of numbers an episode.
+
+All kinds are one model with different numbers, so that a batch in which every world has another
+kind takes one pass. An episode has two such rows, between which a partner may switch.
+"""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, finite_array
+from coopenv.errors import InvalidInput
+
+from .chance import Chance
+
+Span: TypeAlias = float | tuple[float, float]  # a number, or drawn between two in every episode
+
+# Columns of a row
+ROLE = 0  # one of the roles below
+AWAY_X, AWAY_Y, AWAY_TURN = 1, 2, 3  # from the goal to its plan, world frame [m, m, rad]
+STRENGTH = 4  # how much more than its part it gives
+GAINS = 5  # six: see `coopenv.agents.guidance.gains_row`
+HEAVINESS = 11  # fraction of the load that is left to whom it follows
+EAGERNESS = 12  # [1/s] how briskly it takes up the motion it is led to
+SHARE = 13  # of force and torque that it carries
+FORCE_NOISE, TORQUE_NOISE = 14, 15  # standard deviations [N], [N·m]
+DELAY = 16  # control steps
+STAY = 17  # [s] mean time until it switches to its other row; 0: never
+KIND = 18  # number of the population's member
+NUM_TRAITS = 19
+
+PLANS, FOLLOWS, SHARES = 0, 1, 2  # roles
+
+
+def same_twice(count: int, **columns: Any) -> FloatArray:
+    """Rows ``(episode, 2, NUM_TRAITS)`` of a partner that does not switch.
+
+    ``columns`` are numbers or ``(episode,)`` arrays by the column's name in lower case.
+    """
+    rows = np.zeros((count, 2, NUM_TRAITS))
+    rows[:, :, STRENGTH] = rows[:, :, HEAVINESS] = 1.0
+    for name, value in columns.items():
+        rows[:, :, globals()[name.upper()]] = np.reshape(value, (-1, 1))
+    return rows
+
+
+def drawn(span: Span, chance: Chance, name: str) -> FloatArray:
+    """A number of each episode, ``(episode,)``, uniform over ``span``."""
+    low, high = span if isinstance(span, tuple) else (span, span)
+    return low + (high - low) * chance.uniform(name)
+
+
+def checked_span(value: Any, name: str, *, low: float = 0.0, high: float = np.inf) -> Span:
+    """``value`` as a number or a pair of them, or raise `InvalidInput` unless within bounds."""
+    ends = finite_array(value, name)
+    if ends.shape not in ((), (2,)) or (ends < low).any() or (ends > high).any():
+        raise InvalidInput(
+            f"{name} must be a number from {low:g} to {high:g}, or two for a range, got {value!r}; "
+            "change it"
+        )
+    if ends.ndim and ends[0] > ends[1]:
+        raise InvalidInput(f"{name} must rise from low to high, got {value!r}; swap the two")
+    return (ends[0].item(), ends[1].item()) if ends.ndim else ends.item()
+
+
+def highest(span: Span | Sequence[float]) -> float:
+    """The largest number of a span."""
+    return max(span) if isinstance(span, Sequence) else span

@@ -1,0 +1,190 @@
+"""Does feeling the internal wrench help with a partner whose plan is hidden? One table.
+
+python -m benchmarks.partner_ablation                 # five seeds a row; --help for the rest
+
+The partner alone knows the goal (``informed`` names nobody who learns), and a learner without
+memory holds the other end. In this setting feeling could matter: the goal shows only in what the
+partner does, and of that the learner sees the object's motion and its own wrench, but neither the
+partner's wrench nor a load share, which it would have to compute from a motion it has forgotten.
+The internal wrench and γ say how much of its push the partner works against, and in which
+direction. (If the learner were told a goal of its own and the partner had another one, the partner
+would have to be overpowered or given in to, and success would say which, not what was understood.)
+
+The rows have the same budget, seeds, hidden layers and reward, and differ in the observation alone.
+A third row sees the partner's wrench itself, from which the internal wrench is computed: what it
+adds to "with" is what the decomposition leaves out. Idle and informed policies bracket all: the
+partner by itself, and one who needs not feel.
+"""
+
+import csv
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import tyro
+from rich.console import Console
+from rich.table import Table
+from scipy.stats import bootstrap
+
+from coopenv.agents.controllers import ImpedanceController
+from coopenv.agents.curves import Row, draw
+from coopenv.agents.evaluate import Evaluation, evaluate, save
+from coopenv.agents.settings import EnvironmentChoice, TrainConfig
+from coopenv.agents.train import train
+from coopenv.arrays import FloatArray
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.files import written
+from coopenv.transition import Transition
+
+MOTION = ("twist", "own_wrench")
+ROWS: dict[str, tuple[str, ...]] = {  # what the learner sees
+    "without": MOTION,
+    "with": (*MOTION, "own_internal", "partner_internal", "relative_cost"),
+    "partner's wrench": (*MOTION, "partner_wrench"),
+}
+MEASURES = {  # attribute of an evaluation -> heading
+    "success_rate": "success",
+    "reward": "return",
+    "success_time": "time [s]",
+    "relative_cost": "γ",
+    "internal_force_level": "F_I [N]",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ablation:
+    """Train with and without the internal-wrench and γ blocks beside a partner."""
+
+    partner: str = "impedance"
+    """Who alone knows the goal (coopenv.agents.partners)."""
+    rows: tuple[str, ...] = tuple(ROWS)
+    """What learners see; "with" and "without" have to be among them."""
+    seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
+    """Training runs of each row."""
+    episodes: int = 500
+    """Held-out episodes for each policy."""
+    horizon: int = 100
+    """Control steps of an episode; the partner by itself needs most of them."""
+    out: Path = Path("runs/partner_ablation")
+    """Folder for policies, table and curves."""
+    training: TrainConfig = field(
+        default_factory=lambda: TrainConfig(control="partner", steps=600_000)
+    )
+
+    def check(self) -> None:
+        """Raise unless there are seeds for an interval, and the two rows to compare."""
+        if len(self.seeds) < 2:
+            raise InvalidInput(
+                f"seeds must be at least two for an interval, got {self.seeds}; give five"
+            )
+        for row in self.rows:
+            if row not in ROWS:
+                raise UnknownName("rows", row, ROWS)
+        if not {"with", "without"} <= set(self.rows):
+            raise InvalidInput(
+                f"rows must hold 'with' and 'without', got {self.rows}; they are compared"
+            )
+
+    def environment(self, row: str) -> TransportConfig:
+        """What a row's learner is trained and tested in."""
+        chosen = EnvironmentChoice(
+            partner=self.partner, observe=ROWS[row], horizon=self.horizon, reward="task"
+        )
+        return replace(chosen.config(), informed=())
+
+
+class Idle:
+    """Holds the object and does nothing."""
+
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
+        """Actions ``(world, learner, action_size)``."""
+        return np.zeros((*obs.shape[:2], transition.action.shape[2]))
+
+
+def run(study: Ablation, tell: Callable[[str], None] = print) -> dict[str, list[Evaluation]]:
+    """Train and evaluate every row; write ``runs.csv``, ``table.csv`` and ``curves.png``."""
+    study.check()
+    seen: dict[str, list[Evaluation]] = {}
+    histories: dict[str, list[list[Row]]] = {}
+    for row in study.rows:
+        environment = study.environment(row)
+        seen[row], histories[row] = [], []
+        for seed in study.seeds:
+            rows: list[Row] = []
+            config = replace(
+                study.training,
+                control="partner",
+                environment=EnvironmentChoice(partner=study.partner, observe=ROWS[row]),
+                seed=seed,
+                out=study.out / f"{row.replace(' ', '_')}_{seed}",
+                fresh=True,
+            )
+            began = time.perf_counter()
+            policy = train(config, environment=environment, report=rows.append)
+            tell(f"{row} {seed}: trained in {time.perf_counter() - began:.0f} s")
+            name = f"{row} {seed}"
+            seen[row].append(evaluate(policy, environment, episodes=study.episodes, name=name))
+            histories[row].append(rows)
+    environment = study.environment("without")
+    for name, policy in (("idle", Idle()), ("informed", ImpedanceController(environment))):
+        seen[name] = [evaluate(policy, environment, episodes=study.episodes, name=name)]
+    save([one for several in seen.values() for one in several], study.out / "runs.csv")
+    draw(histories, study.out / "curves.png")
+    with written(study.out / "table.csv") as part, part.open("w", newline="") as file:
+        csv.writer(file).writerows([["learner", *MEASURES.values()], *lines(seen)])
+    return seen
+
+
+def lines(seen: dict[str, list[Evaluation]]) -> list[list[str]]:
+    """A line for each learner and one for the difference, with 95 % intervals over the seeds."""
+    values = {
+        row: [np.array([getattr(one, measure) for one in several]) for measure in MEASURES]
+        for row, several in seen.items()
+    }
+    pairs = zip(values["with"], values["without"], strict=True)
+    difference = ["with − without", *(interval([mine, theirs]) for mine, theirs in pairs)]
+    table = [[row, *(interval([value]) for value in columns)] for row, columns in values.items()]
+    return [*table[:-2], difference, *table[-2:]]
+
+
+def interval(samples: Sequence[FloatArray]) -> str:
+    """Mean of one sample, or difference of two means, and its bootstrap interval over seeds.
+
+    Seeds in which a measure is not defined (no episode succeeded) are left out.
+    """
+    defined = [sample[~np.isnan(sample)] for sample in samples]
+    if not all(len(sample) for sample in defined):
+        return "-"
+    middle = float(_contrast(*defined))
+    if any(len(sample) < 2 for sample in defined):
+        return f"{middle:.3f}"
+    found = bootstrap(
+        defined, _contrast, method="percentile", n_resamples=9999, rng=np.random.default_rng(0)
+    ).confidence_interval
+    return f"{middle:.3f} [{found.low:.3f}, {found.high:.3f}]"
+
+
+def _contrast(
+    first: FloatArray, second: FloatArray | None = None, axis: int = -1
+) -> npt.NDArray[np.float64]:
+    mean = np.mean(first, axis=axis)
+    return np.asarray(mean if second is None else mean - np.mean(second, axis=axis))
+
+
+def main() -> None:
+    """Run the ablation that the command line describes and print its table."""
+    console, study = Console(), tyro.cli(Ablation)
+    seen = run(study, console.print)
+    title = f"the {study.partner} partner alone knows the goal; {len(study.seeds)} seeds, 95 %"
+    table = Table("learner", *MEASURES.values(), title=title, title_justify="left")
+    for line in lines(seen):
+        table.add_row(*line)
+    console.print(table)
+
+
+if __name__ == "__main__":
+    main()

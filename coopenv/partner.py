@@ -1,0 +1,177 @@
+"""Somebody else's hands: the protocol of partners, and their part of the joint action."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from coopenv.arrays import FloatArray, IntArray, finite_array
+from coopenv.errors import InvalidInput
+from coopenv.info import Info
+from coopenv.transition import Transition
+
+if TYPE_CHECKING:
+    from coopenv.config import TransportConfig
+
+Generators = Sequence[np.random.Generator | None]
+
+
+@runtime_checkable
+class Partner(Protocol):
+    """Who drives some of the agents: a description without memory, part of the configuration.
+
+    It is compared, copied and shared between environments like the rest of `TransportConfig`;
+    what it remembers of an episode lives in the `Player` it sends. A frozen dataclass does well.
+    """
+
+    def player(
+        self, config: "TransportConfig", num_worlds: int, agents: tuple[int, ...]
+    ) -> "Player":
+        """The one who acts, in ``num_worlds`` worlds at once, for ``agents`` of each."""
+        ...
+
+
+class Player(Protocol):
+    """A partner at work: transitions in, wrenches out, all worlds at once.
+
+    It may read all of a transition, be it what a person could not see; what the implementations
+    of `coopenv.agents.partners` make use of is said there.
+    """
+
+    @property
+    def kind(self) -> IntArray:
+        """``(world,)``: which of a population's members it is in each world; else 0."""
+        ...
+
+    def reset(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
+        """Begin an episode in ``worlds``.
+
+        Parameters
+        ----------
+        worlds
+            Their numbers.
+        generators
+            One for every world of the batch. What an episode of world k draws has to come from
+            ``generators[k]``, after the task drew start and goal.
+        start
+            The starts, one row for each of ``worlds``.
+        """
+        ...
+
+    def act(self, transition: Transition) -> FloatArray:
+        """Wrenches ``(world, driven agent, 3)`` [N, N·m] for the next step, object frame.
+
+        Called once a step, with the last one. They are clipped as everybody's actions are: each
+        component to the agent's limit, in the agent's frame; and where agents give forces only
+        (``action="force"``), the torque is left out. In worlds that begin anew in this step, they
+        are ignored.
+        """
+        ...
+
+    def plan(self, transition: Transition) -> FloatArray:
+        """Pose ``(world, 3)`` it wants the object to reach, world frame; NaN where it has none."""
+        ...
+
+
+class Company:
+    """The partner of a batch of worlds beside those who learn.
+
+    Parameters
+    ----------
+    config
+        With a partner.
+    num_worlds
+        Worlds stepped together.
+    """
+
+    def __init__(self, config: "TransportConfig", num_worlds: int):
+        assert isinstance(config.partner, Partner)
+        self._task, self._num_agents = config.task, config.num_agents
+        self._driven, self._learners = np.array(config.driven), np.array(config.learners)
+        self._shape = (num_worlds, len(self._driven), 3)
+        self.player = config.partner.player(config, num_worlds, config.driven)
+
+    def begin(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
+        """Start an episode in ``worlds``."""
+        self.player.reset(worlds, generators, start)
+
+    def joint(self, action: npt.NDArray[Any], before: Transition) -> FloatArray:
+        """All agents' actions ``(world, agent, a)``, given those of the learners.
+
+        Raises
+        ------
+        InvalidInput
+            If the learners' actions or the partner's wrenches are not finite, or the latter have
+            the wrong shape. If it is the former, the partner was not asked.
+        """
+        given = action if np.isfinite(action).all() else finite_array(action, "action")
+        wrench = np.asarray(self.player.act(before), dtype=np.float64)
+        if wrench.shape != self._shape:
+            raise InvalidInput(
+                f"wrenches of the partner must have shape (world, driven agent, 3) = "
+                f"{self._shape}, got {wrench.shape}; give one row for each agent it drives"
+            )
+        team = before.team
+        joint = _joint(given, wrench, self._learners, self._driven, team.frame, team.limits)
+        if not np.isfinite(joint).all():
+            finite_array(wrench, "wrenches of the partner")  # raises, naming the place
+        return joint
+
+    def of_learners(self, value: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """The learners' rows of an array ``(world, agent, ...)``."""
+        return np.take(value, self._learners, axis=1)
+
+    def terms_of_learners(self, terms: dict[str, FloatArray]) -> dict[str, FloatArray]:
+        """The learners' rows of every reward term."""
+        return {name: self.of_learners(term) for name, term in terms.items()}
+
+    def info(self, transition: Transition) -> Info:
+        """What is true of the partner after ``transition``, and no observation tells.
+
+        ``partner_plan`` ``(world, 3)`` is the pose it wants the object to reach (where it wants
+        none: the object's own), ``partner_has_plan`` whether it wants one, ``disagreement`` the
+        task's distance from that plan to the goal [m] (0 without a plan), ``partner_kind`` which
+        member of a population it is.
+        """
+        state = transition.next_state
+        plan, target, decided = _where_to(self.player.plan(transition), state.pose, state.goal)
+        apart = (target != state.goal).any(axis=1)  # distances from a pose to itself are rounded
+        return {
+            "partner_plan": plan,
+            "partner_has_plan": decided,
+            "disagreement": np.where(apart, self._task.distance(target, state.goal), 0.0),
+            "partner_kind": self.player.kind,
+        }
+
+
+@njit(cache=True)
+def _joint(action, wrench, learners, driven, frame, limits):  # pragma: no cover - compiled
+    """Actions of all agents ``(world, agent, a)``: the learners' own, the others' from wrenches."""
+    num_worlds, _, width = action.shape
+    joint = np.empty((num_worlds, len(learners) + len(driven), width))
+    for k in range(num_worlds):
+        for number, i in enumerate(learners):
+            for j in range(width):
+                joint[k, i, j] = action[k, number, j]
+        for number, i in enumerate(driven):
+            c, s = frame[k, i, 0], frame[k, i, 1]
+            x, y = wrench[k, number, 0], wrench[k, number, 1]
+            joint[k, i, 0] = (c * x + s * y) / limits[k, i, 0]
+            joint[k, i, 1] = (c * y - s * x) / limits[k, i, 0]
+            if width == 3:
+                joint[k, i, 2] = wrench[k, number, 2] / limits[k, i, 1]
+    return joint
+
+
+@njit(cache=True)
+def _where_to(plan, pose, goal):  # pragma: no cover - compiled
+    """Plans, with the pose and with the goal where there is none, and whether there is one."""
+    shown, target = plan.copy(), plan.copy()
+    decided = np.ones(len(plan), dtype=np.bool_)
+    for k in range(len(plan)):
+        decided[k] = not np.isnan(plan[k]).any()
+        if not decided[k]:
+            shown[k], target[k] = pose[k], goal[k]
+    return shown, target, decided
