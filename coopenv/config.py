@@ -191,6 +191,20 @@ class TransportConfig:
             self.task.check(body, scene)
         find_reward(self.reward).check(self.num_agents)
 
+    def _check_partner(self) -> None:
+        agents = _agents(self.partner_agents, "partner_agents", self.num_agents)
+        object.__setattr__(self, "partner_agents", agents)
+        if self.partner is None and agents is not None:
+            raise InvalidInput(
+                f"partner_agents must come with a partner, got {agents} without; "
+                "pass for example partner='follower'"
+            )
+        if self.partner is not None and not (self.driven and self.learners):
+            raise InvalidInput(
+                f"partner_agents must name at least one of {self.num_agents} agents and leave at "
+                f"least one to learn, got {self.driven}; change them, or give body another grip"
+            )
+
     def _check_ranges(
         self, ranges: Ranges, bodies: Sequence[Body], scenes: Sequence[Scene]
     ) -> None:
@@ -254,20 +268,6 @@ def _with_blocks_of(task: Task, observe: Any) -> Any:
     if not isinstance(observe, Sequence):
         return observe
     return tuple(own.get(block, block) if isinstance(block, str) else block for block in observe)
-
-    def _check_partner(self) -> None:
-        agents = _agents(self.partner_agents, "partner_agents", self.num_agents)
-        object.__setattr__(self, "partner_agents", agents)
-        if self.partner is None and agents is not None:
-            raise InvalidInput(
-                f"partner_agents must come with a partner, got {agents} without; "
-                "pass for example partner='follower'"
-            )
-        if self.partner is not None and not (self.driven and self.learners):
-            raise InvalidInput(
-                f"partner_agents must name at least one of {self.num_agents} agents and leave at "
-                f"least one to learn, got {self.driven}; change them, or give body another grip"
-            )
 
 
 def _partner(value: Any) -> Any:
