@@ -41,7 +41,7 @@ NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
 EASY = TransportTask(  # random motion succeeds now and then
     position_tolerance=1.5, angle_tolerance=1.0, speed_tolerance=5.0, spin_tolerance=5.0
 )
-_EASY_WALK = {
+_EASY_WALK: dict[str, Any] = {
     "position_tolerance": 2.5, "angle_tolerance": 2.0, "speed_tolerance": 5.0, "spin_tolerance": 5.0
 }  # fmt: skip
 EASY_TASKS = {  # the same on each id's own task

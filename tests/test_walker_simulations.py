@@ -107,7 +107,7 @@ def test_the_point_mass_agrees_and_the_others_inflate(avoid):
 
 
 def test_the_braking_does_not_hang_on_the_control_step(avoid):
-    finer = WalkerAvoid(dt=0.0025).run()
+    finer = WalkerAvoid(dt=0.005).run()
     assert finer.pose[-1, 0] == pytest.approx(avoid.pose[-1, 0], abs=0.01)
     assert finer.time[crossing(finer)] == pytest.approx(avoid.time[crossing(avoid)], abs=0.03)
 

@@ -5,6 +5,7 @@ import pytest
 from helpers import CLUTTERED, corners
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test_controllers import last
 
 import coopenv
 from coopenv import Body, Box, Scene, Transport, WalkerAvoidTask, WalkerTurnTask
@@ -177,23 +178,21 @@ def test_what_cannot_be_done_is_refused_at_construction(keywords, said):
 
 def test_tasks_come_back_from_json_as_they_were():
     plain = {"path_length": [1.5, 3.0], "turn": [0.5, 1.0]}
-    env = coopenv.walker_turn_v0.single_env(task=plain)
-    assert env.unwrapped.transport.config.task == WalkerTurnTask(
-        path_length=(1.5, 3.0), turn=(0.5, 1.0)
-    )
-    avoid = coopenv.walker_avoid_v0.single_env(task={"obstacles": 2})
-    assert avoid.unwrapped.transport.config.task == WalkerAvoidTask(obstacles=2)
+    env = coopenv.walker_turn_v0.parallel_env(task=plain)
+    assert env.transport.config.task == WalkerTurnTask(path_length=(1.5, 3.0), turn=(0.5, 1.0))
+    avoid = coopenv.walker_avoid_v0.parallel_env(task={"obstacles": 2})
+    assert avoid.transport.config.task == WalkerAvoidTask(obstacles=2)
 
 
 def test_hovering_and_going_to_and_fro_earn_nothing():
     core = coopenv.walker_turn_v0.vector_env(num_envs=1).unwrapped.transport
     core.reset(seed=0, pose=(0, 0, 0), goal=(2, 1, 0.5))
-    start, earned = core.transition.next_state.distance[0], 0.0
+    start, earned = last(core).next_state.distance[0], 0.0
     for k in range(240):
         push = 1.0 if k % 40 < 10 or k % 40 >= 30 else -1.0  # there and back again
         *_, info = core.step(np.tile([push, 0.0, 0.0], (1, 2, 1)))
         earned += info["reward_terms"]["progress"][0, 0]
-    assert earned == pytest.approx(5.0 * (start - core.transition.next_state.distance[0]))
+    assert earned == pytest.approx(5.0 * (start - last(core).next_state.distance[0]))
 
 
 def test_only_the_human_knows_the_goal_past_the_obstacle():

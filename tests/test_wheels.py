@@ -22,6 +22,12 @@ def placed(*pose, body=WALKER, scene=OPEN_ROOM, substeps=2):
     return one
 
 
+def walker_row():
+    """The walker's row of the coefficient table, substeps of 25 ms."""
+    mass, inertia, drag, angular_drag = (np.array([v]) for v in (25.0, 4.17, 1.0, 100.0))
+    return motion.coefficients(mass, inertia, drag, angular_drag, 0.025, np.array([True]))[0]
+
+
 def slip(pose, twist):
     """Sideways speed ``(world,)`` [m/s]."""
     return np.cos(pose[:, 2]) * twist[:, 1] - np.sin(pose[:, 2]) * twist[:, 0]
@@ -60,9 +66,7 @@ def test_a_held_wrench_drives_it_as_the_constrained_equations_of_motion_say(body
 def test_at_its_terminal_speed_and_spin_it_goes_round_the_analytic_arc():
     force, torque = 1.2, 40.0
     u, w = force / WALKER.linear_drag, torque / WALKER.angular_drag  # 1.2 m/s, 0.4 rad/s
-    row = motion.coefficients(
-        *(np.array([v]) for v in (25.0, 4.17, 1.0, 100.0)), 0.025, np.array([True])
-    )[0]
+    row = walker_row()
     x, y, angle, vx, vy, spin = 0.0, 0.0, 0.3, u * np.cos(0.3), u * np.sin(0.3), w
     for _ in range(400):  # 10 s
         dx, dy, turn, vx, vy, spin = motion.roll(row, angle, vx, vy, spin, force, torque)
@@ -212,9 +216,7 @@ def test_contacts_of_a_rolling_body_take_the_approach_out_of_it():
     # A free body's answer to a frictionless impulse P at r is (P/m, r × P / J). Scaled for wheels,
     # the contact point must lose the same normal velocity.
     generator = np.random.default_rng(3)
-    row = motion.coefficients(
-        *(np.array([v]) for v in (25.0, 4.17, 1.0, 100.0)), 0.025, np.array([True])
-    )[0]
+    row = walker_row()
     for _ in range(200):
         heading, direction = generator.uniform(-np.pi, np.pi, 2)
         arm, normal = (
