@@ -1,44 +1,43 @@
 """Which scripted controller does which task."""
 
-from collections.abc import Sequence
+from typing import Any
 
 from coopenv.config import TransportConfig
-from coopenv.tasks import DoorwayTask, TrackingTask
+from coopenv.errors import InvalidInput
+from coopenv.tasks import DoorwayTask, RollingTask, TrackingTask
 
-from .controllers import Gains, ImpedanceController
+from .controllers import ImpedanceController
 from .controllers_doorway import DoorwayController
 from .controllers_tracking import TrackingController
+from .policy import Policy
+from .walker import WalkerController
 
 # The first whose task it is; any other task is left to the impedance controller.
-CONTROLLERS: dict[type, type[ImpedanceController]] = {
+CONTROLLERS: dict[type, type[ImpedanceController] | type[WalkerController]] = {
     DoorwayTask: DoorwayController,
     TrackingTask: TrackingController,
+    RollingTask: WalkerController,
 }
 
 
-def find_controller(
-    config: TransportConfig,
-    *,
-    method: str = "moore_penrose",
-    virtual_masses: Sequence[float] | None = None,
-    virtual_inertias: Sequence[float] | None = None,
-    gains: Gains | None = None,
-) -> ImpedanceController:
-    """The scripted controller for the task of ``config``; arguments as for that.
+def find_controller(config: TransportConfig, **options: Any) -> Policy:
+    """The scripted controller for the task of ``config``; ``options`` are the controller's own.
 
     Raises
     ------
     UnknownName
-        If the method does not exist.
+        If the method of allocation does not exist.
+    InvalidInput
+        If the controller does not take an option.
     """
     kind = next(
         (kind for task, kind in CONTROLLERS.items() if isinstance(config.task, task)),
         ImpedanceController,
     )
-    return kind(
-        config,
-        method=method,
-        virtual_masses=virtual_masses,
-        virtual_inertias=virtual_inertias,
-        gains=gains,
-    )
+    try:
+        return kind(config, **options)
+    except TypeError as error:
+        raise InvalidInput(
+            f"options must be among those of {kind.__name__}, got {sorted(options)}; drop the "
+            "others"
+        ) from error

@@ -189,7 +189,7 @@ def find_policy(name: str, config: TransportConfig) -> "Policy":
 
     kind, _, allocation = name.partition(":")
     if kind == "scripted":
-        return find_controller(config, method=allocation or "moore_penrose")
+        return find_controller(config, **({"method": allocation} if allocation else {}))
     if name == "random":
         return RandomPolicy(config)
     if not Path(name).is_file():
