@@ -1,0 +1,292 @@
+"""Newton steps of the structured solver: work linear in the number of effectors, compiled.
+
+Eliminating τ and g from every block leaves one symmetric system in the multipliers ν of balance,
+G g = 0, whatever the number of effectors:
+
+M dν = r + Σ G H⁻¹ ρ,   M = Σ G H⁻¹ Gᵀ,   H dg = Gᵀdν − ρ,   H = L D Lᵀ of size 3
+
+H is the sum of the curvatures of the block's cones, ρ the residual of stationarity plus the
+cones' right-hand sides, r = −G g. The blocks ``k`` are laid out in `blocks`.
+"""
+
+from coopenv.wrench.blocks import (
+    ANSWER,
+    CARRIED,
+    COLUMNS,
+    CONES,
+    FACTOR,
+    FIRST_CONE,
+    FREE,
+    RIGHT,
+    STEP,
+)
+from coopenv.wrench.second_order import CONE, DS, DZ, PER_ETA, Q, W, Z, compiled, dual_step, scale
+
+ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below M: what can be made, r, ν, dν
+SYSTEM = 11  # rows in all
+DEAD = 1e-11  # pivot of Σ G Gᵀ, relative to its diagonal, below which a resultant cannot be made
+VOID = 1e-26  # the same, relative to the largest
+REGULAR = 1e-14  # added to the pivots of M, relative to its diagonal
+FLOOR = 1e-15  # least pivot of H, relative to its diagonal
+
+
+@compiled
+def factorise(k, system):
+    """Scale every cone, factorise every block and the system that couples them."""
+    for r in range(6):
+        for t in range(6):
+            system[r, t] = 0.0
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            row = k[i]
+            for c in range(int(row[CONES])):
+                scale(row, FIRST_CONE + CONE * c)
+            _factorise_block(row, system, 3 * (i % 2))
+    for r in range(6):
+        system[r, r] *= 1.0 + REGULAR
+    for r in range(6):
+        if system[ALIVE, r] > 0.0 and system[r, r] > 0.0:
+            eliminate(system, r)
+        else:
+            for t in range(r, 6):
+                system[t, r] = 0.0
+
+
+@compiled
+def direction(k, system, refined):
+    """Solve the Newton system for the q in place: dg, ds, dz and dν."""
+    for r in range(6):
+        system[NU_STEP, r] = system[BALANCE, r]
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            _load(k[i], system, 3 * (i % 2))
+    solve_system(system)
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            _spread_step(k[i], system, 3 * (i % 2), 1.0, STEP)
+    if refined:
+        _refine(k, system)
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            _move_cones(k[i])
+
+
+@compiled
+def _refine(k, system):
+    """Solve once more for what the steps miss of balance, Σ G dg = r."""
+    for r in range(6):
+        system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
+    for i in range(k.shape[0]):
+        for j in range(int(k[i, FREE])):
+            for r in range(3 * (i % 2), 6):
+                system[NU_STEP, r] -= k[i, COLUMNS + 6 * j + r] * k[i, STEP + j]
+    solve_system(system)
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            _spread_step(k[i], system, 3 * (i % 2), 0.0, STEP)
+    for r in range(6):
+        system[NU_STEP, r] += system[SPARE, r]
+
+
+@compiled
+def balance(k, system):
+    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0."""
+    resultant(k, system, ANSWER)
+    for r in range(6):
+        system[NU_STEP, r] = system[BALANCE, r]
+    solve_system(system)
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            _spread_step(k[i], system, 3 * (i % 2), 0.0, ANSWER)
+
+
+@compiled
+def resultant(k, system, part):
+    """Write r = −Σ G x for a part x of the blocks; return its largest component."""
+    for r in range(6):
+        system[BALANCE, r] = 0.0
+    for i in range(k.shape[0]):
+        for j in range(int(k[i, FREE])):
+            for r in range(3 * (i % 2), 6):
+                system[BALANCE, r] -= k[i, COLUMNS + 6 * j + r] * k[i, part + j]
+    largest = 0.0
+    for r in range(6):
+        largest = max(largest, abs(system[BALANCE, r]))
+    return largest
+
+
+@compiled
+def mark_alive(k, system):
+    """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
+    for r in range(6):
+        for t in range(6):
+            system[r, t] = 0.0
+    for i in range(k.shape[0]):
+        for j in range(int(k[i, FREE])):
+            at = COLUMNS + 6 * j
+            for r in range(3 * (i % 2), 6):
+                for t in range(r + 1):
+                    system[r, t] += k[i, at + r] * k[i, at + t]
+    find_pivots(system)
+
+
+@compiled
+def find_pivots(system):
+    """Factorise a Gram matrix in place and mark its pivots that do not vanish."""
+    largest = 0.0
+    for r in range(6):
+        system[ALIVE, r] = system[r, r]
+        largest = max(largest, system[r, r])
+    for r in range(6):
+        least = max(DEAD * system[ALIVE, r], VOID * largest)
+        system[ALIVE, r] = 1.0 if system[r, r] > least else 0.0
+        if system[ALIVE, r] > 0.0:
+            eliminate(system, r)
+        else:
+            for t in range(r, 6):
+                system[t, r] = 0.0
+
+
+@compiled
+def eliminate(system, j):
+    """One column of LDLᵀ in the lower triangle, 1/D on the diagonal."""
+    per_pivot = 1.0 / system[j, j]
+    for r in range(j + 1, 6):
+        part = system[r, j] * per_pivot
+        for t in range(j + 1, r + 1):
+            system[r, t] -= part * system[t, j]
+    for r in range(j + 1, 6):
+        system[r, j] *= per_pivot
+    system[j, j] = per_pivot
+
+
+@compiled
+def solve_system(system):
+    """Solve M dν = dν in place."""
+    for r in range(6):
+        for t in range(r):
+            system[NU_STEP, r] -= system[r, t] * system[NU_STEP, t]
+    for r in range(6):
+        system[NU_STEP, r] *= system[r, r]
+    for r in range(5, -1, -1):
+        for t in range(r + 1, 6):
+            system[NU_STEP, r] -= system[t, r] * system[NU_STEP, t]
+
+
+@compiled
+def _hessian(row):
+    """Upper triangle of H: the sum of the cones' curvatures, τ eliminated."""
+    h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for c in range(int(row[CONES])):
+        at = FIRST_CONE + CONE * c
+        w0, w1, w2, w3 = row[at + W], row[at + W + 1], row[at + W + 2], row[at + W + 3]
+        square = row[at + PER_ETA] * row[at + PER_ETA]
+        bend = square * (2.0 if c == 1 or c == 2 else -2.0 / (2.0 * w0 * w0 - 1.0))
+        if c < 2:
+            h00 += square + bend * w1 * w1
+            h01 += bend * w1 * w2
+            h02 += bend * w1 * w3
+        h11 += square + bend * w2 * w2
+        h12 += bend * w2 * w3
+        h22 += square + bend * w3 * w3
+    return h00, h01, h02, h11, h12, h22
+
+
+@compiled
+def _factorise_block(row, system, first):
+    """Factorise H, carry G through L, and add G H⁻¹ Gᵀ to M (lower triangle).
+
+    ``first`` is 3 for torques, which make no resultant force.
+    """
+    h00, h01, h02, h11, h12, h22 = _hessian(row)
+    l10, l20, l21 = 0.0, 0.0, 0.0
+    p0, p1, p2 = 1.0 / h00, 0.0, 0.0
+    if row[FREE] > 1.0:
+        l10 = h01 * p0
+        p1 = 1.0 / max(h11 - l10 * h01, FLOOR * h11)
+    if row[FREE] > 2.0:
+        l20 = h02 * p0
+        bend = h12 - l20 * h01
+        l21 = bend * p1
+        p2 = 1.0 / max(h22 - l20 * h02 - l21 * bend, FLOOR * h22)
+    row[FACTOR], row[FACTOR + 1], row[FACTOR + 2] = l10, l20, l21
+    row[FACTOR + 3], row[FACTOR + 4], row[FACTOR + 5] = p0, p1, p2
+    for r in range(first, 6):
+        a0 = row[COLUMNS + r]
+        a1 = row[COLUMNS + 6 + r] - l10 * a0
+        a2 = row[COLUMNS + 12 + r] - l20 * a0 - l21 * a1
+        row[CARRIED + r], row[CARRIED + 6 + r], row[CARRIED + 12 + r] = a0, a1, a2
+        a0, a1, a2 = a0 * p0, a1 * p1, a2 * p2
+        for t in range(first, r + 1):
+            part = a0 * row[CARRIED + t] + a1 * row[CARRIED + 6 + t] + a2 * row[CARRIED + 12 + t]
+            system[r, t] += part
+
+
+@compiled
+def _load(row, system, first):
+    """Take ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to dν.
+
+    ρ = Σ ± (z_1 + q_1 [+ 2 w_0 w_1 q_0 / (2 w_0² − 1), costs only, for their τ]) − Gᵀν
+    """
+    y0, y1, y2 = 0.0, 0.0, 0.0
+    for r in range(first, 6):
+        nu = system[NU, r]
+        y0 -= row[COLUMNS + r] * nu
+        y1 -= row[COLUMNS + 6 + r] * nu
+        y2 -= row[COLUMNS + 12 + r] * nu
+    for c in range(int(row[CONES])):
+        at = FIRST_CONE + CONE * c
+        q, z, w = at + Q, at + Z, at + W
+        sign, more = -1.0, 0.0
+        if c == 0 or c == 3:
+            sign, more = 1.0, 2.0 * row[w] * row[q] / (2.0 * row[w] * row[w] - 1.0)
+        y0 += sign * (row[z + 1] + row[q + 1] + more * row[w + 1])
+        y1 += sign * (row[z + 2] + row[q + 2] + more * row[w + 2])
+        y2 += sign * (row[z + 3] + row[q + 3] + more * row[w + 3])
+    y1 -= row[FACTOR] * y0
+    y2 -= row[FACTOR + 1] * y0 + row[FACTOR + 2] * y1
+    row[RIGHT], row[RIGHT + 1], row[RIGHT + 2] = y0, y1, y2
+    y0, y1, y2 = y0 * row[FACTOR + 3], y1 * row[FACTOR + 4], y2 * row[FACTOR + 5]
+    for r in range(first, 6):
+        part = row[CARRIED + r] * y0 + row[CARRIED + 6 + r] * y1 + row[CARRIED + 12 + r] * y2
+        system[NU_STEP, r] += part
+
+
+@compiled
+def _spread_step(row, system, first, load, part):
+    """Write dg = H⁻¹ (Gᵀdν − ρ), or without the ρ (``load`` = 0) add it to a part of the block."""
+    y0, y1, y2 = -load * row[RIGHT], -load * row[RIGHT + 1], -load * row[RIGHT + 2]
+    for r in range(first, 6):
+        nu = system[NU_STEP, r]
+        y0 += row[CARRIED + r] * nu
+        y1 += row[CARRIED + 6 + r] * nu
+        y2 += row[CARRIED + 12 + r] * nu
+    y2 *= row[FACTOR + 5]
+    y1 = y1 * row[FACTOR + 4] - row[FACTOR + 2] * y2
+    keep = 1.0 - load
+    row[part] *= keep
+    row[part] += y0 * row[FACTOR + 3] - row[FACTOR] * y1 - row[FACTOR + 1] * y2
+    row[part + 1] = keep * row[part + 1] + y1
+    row[part + 2] = keep * row[part + 2] + y2
+
+
+@compiled
+def _move_cones(row):
+    """Write ds and dz of the block's cones; a cost's τ moves so that its own dual stays c."""
+    for c in range(int(row[CONES])):
+        at = FIRST_CONE + CONE * c
+        ds, w = at + DS, at + W
+        is_cost = c == 0 or c == 3
+        sign = -1.0 if is_cost else 1.0
+        row[ds] = 0.0
+        row[ds + 1] = sign * row[STEP] if c < 2 else 0.0
+        row[ds + 2] = sign * row[STEP + 1]
+        row[ds + 3] = sign * row[STEP + 2]
+        if is_cost:
+            square = row[at + PER_ETA] * row[at + PER_ETA]
+            along = row[w + 1] * row[ds + 1] + row[w + 2] * row[ds + 2] + row[w + 3] * row[ds + 3]
+            row[ds] = row[at + Q] / square + 2.0 * row[w] * along
+            row[ds] /= 2.0 * row[w] * row[w] - 1.0
+        dual_step(row, at)
+        if is_cost:
+            row[at + DZ] = 0.0
