@@ -151,17 +151,26 @@ def _set_columns(row, frame, first, lever):
 @compiled
 def _set_frame(frame, x, y, z, px, py, pz):
     """Write the rows: the unit vector (x, y, z), the direction of p across it, their product."""
-    for attempt in range(3):
-        along = x * px + y * py + z * pz
-        px, py, pz = px - along * x, py - along * y, pz - along * z
+    size = norm3(px, py, pz)
+    px, py, pz = _across(x, y, z, px, py, pz)
+    if norm3(px, py, pz) <= RADIAL * size:  # what is left is rounding, and no direction
+        if abs(x) + abs(y) > 0.1:  # any direction across, in the plane z = 0 if (x, y, z) is
+            px, py, pz = -y, x, 0.0
+        else:
+            px, py, pz = 0.0, z, -y
+    for _ in range(2):
         size = norm3(px, py, pz)
-        if size > 0.0:
-            px, py, pz = px / size, py / size, pz / size
-        elif attempt < 2:  # any direction across, in the plane z = 0 if (x, y, z) is
-            px, py, pz = (-y, x, 0.0) if abs(x) + abs(y) > 0.1 else (0.0, z, -y)
+        px, py, pz = _across(x, y, z, px / size, py / size, pz / size)
     frame[0, 0], frame[0, 1], frame[0, 2] = x, y, z
     frame[1, 0], frame[1, 1], frame[1, 2] = px, py, pz
     frame[2, 0], frame[2, 1], frame[2, 2] = y * pz - z * py, z * px - x * pz, x * py - y * px
+
+
+@compiled
+def _across(x, y, z, px, py, pz):
+    """Part of p across the unit vector (x, y, z)."""
+    along = x * px + y * py + z * pz
+    return px - along * x, py - along * y, pz - along * z
 
 
 @compiled

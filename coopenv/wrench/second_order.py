@@ -19,7 +19,7 @@ CONE = 29  # numbers a cone occupies
 ROUNDING = 4e-16  # of a product of vectors, relative
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
-compiled = njit(error_model="numpy", nogil=True, fastmath={"contract"})
+compiled = njit(error_model="numpy", nogil=True, fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 @compiled
