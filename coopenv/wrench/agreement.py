@@ -23,7 +23,7 @@ from coopenv.wrench.blocks import (
     norm3,
 )
 from coopenv.wrench.certificate import saving, shortfall
-from coopenv.wrench.newton import NU, NU_STEP
+from coopenv.wrench.coupling import NU, NU_STEP
 from coopenv.wrench.second_order import (
     CONE,
     DET_S,

@@ -24,7 +24,8 @@ from coopenv.wrench.blocks import (
     V,
     norm3,
 )
-from coopenv.wrench.newton import NU, balance, resultant
+from coopenv.wrench.coupling import BALANCE, NU, NU_STEP, resultant, solve_system, spread_evenly
+from coopenv.wrench.newton import spread_step
 from coopenv.wrench.second_order import CONE, TINY, Z, compiled
 
 EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
@@ -115,9 +116,11 @@ def settle(k, system, part, excess):
         for j in range(3):
             k[i, ANSWER + j] = k[i, part + j]
     for _ in range(2):
-        balance(k, system)
+        _balance(k, system)
     if not resultant(k, system, ANSWER) <= BALANCED:
-        return -np.inf
+        spread_evenly(k, system)
+        if not resultant(k, system, ANSWER) <= BALANCED:
+            return -np.inf
     shrink = 1.0
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
@@ -126,6 +129,18 @@ def settle(k, system, part, excess):
         for j in range(3):
             k[i, ANSWER + j] *= shrink
     return saving(k, ANSWER)
+
+
+@compiled
+def _balance(k, system):
+    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0."""
+    resultant(k, system, ANSWER)
+    for r in range(6):
+        system[NU_STEP, r] = system[BALANCE, r]
+    solve_system(system)
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            spread_step(k[i], system, 3 * (i % 2), 0.0, ANSWER)
 
 
 @compiled

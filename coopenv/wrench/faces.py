@@ -11,7 +11,15 @@ if the equations hold to rounding; then the parts are fixed and the iterations s
 """
 
 from coopenv.wrench.blocks import COLUMNS, CONES, FIRST_CONE, FREE, PENDING, V, norm3
-from coopenv.wrench.newton import NU, NU_STEP, SPARE, find_pivots, solve_system
+from coopenv.wrench.coupling import (
+    NU,
+    NU_STEP,
+    SPARE,
+    add_square,
+    clear,
+    find_pivots,
+    solve_system,
+)
 from coopenv.wrench.second_order import CONE, Z, compiled
 
 LARGE = 0.03  # of the largest multiplier: one that may belong to λ
@@ -93,17 +101,13 @@ def _may_differ(row, j):
 @compiled
 def _project(k, system):
     """Make λ obey the equations: subtract what is seen by coordinates that must be 0."""
+    clear(system)
     for r in range(6):
-        for t in range(6):
-            system[r, t] = 0.0
         system[SPARE, r] = system[LAMBDA, r]
     for i in range(k.shape[0]):
         for j in range(int(k[i, FREE])):
             if not _may_differ(k[i], j):
-                at = COLUMNS + 6 * j
-                for r in range(6):
-                    for t in range(r + 1):
-                        system[r, t] += k[i, at + r] * k[i, at + t]
+                add_square(system, k[i], COLUMNS + 6 * j, 0, 1.0)
     for r in range(6):
         total = 0.0
         for t in range(6):

@@ -20,8 +20,9 @@ from coopenv.wrench.blocks import (
     norm3,
 )
 from coopenv.wrench.certificate import EXCESS, LOOSE, saving, settle, shortfall
+from coopenv.wrench.coupling import NU, NU_STEP, mark_alive, resultant
 from coopenv.wrench.faces import fix_immovable, largest_multiplier
-from coopenv.wrench.newton import NU, NU_STEP, direction, factorise, mark_alive, resultant
+from coopenv.wrench.newton import direction, factorise
 from coopenv.wrench.second_order import (
     CONE,
     DET_S,
@@ -37,6 +38,7 @@ from coopenv.wrench.second_order import (
     advance,
     compiled,
     correct,
+    inner,
     longest_step,
     refresh,
 )
@@ -45,6 +47,7 @@ PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
 THIN = 0.05  # sine below which they nearly agree
 LARGE = 10.0  # multiplier of a ball from which on one looks for what cannot move
 MAX_STEPS = 80
+SPREAD_BALL, SPREAD_COST = 0.5, 0.0
 PATIENCE = 10  # iterations without progress
 STUCK = 1e-6  # step length that is none
 
@@ -74,7 +77,7 @@ def solve(k, system, tolerance):
             gap = bound - settle(k, system, G, EXCESS)
             if gap <= tolerance:
                 return step, max(gap, 0.0)
-        now = complementarity(k, 0.0, 0.0)
+        now = complementarity(k)
         progress = resultant(k, system, G) + now
         stalled = 0 if progress < 0.9 * best else stalled + 1
         best = min(best, progress)
@@ -126,7 +129,7 @@ def _iterate(k, system, now):
     direction(k, system, False)
     primal, dual = _step_lengths(k)
     primal, dual = min(1.0, primal), min(1.0, dual)
-    ratio = min(max(complementarity(k, primal, dual) / now, 0.0), 1.0)
+    ratio = min(max(_predicted(k, primal, dual) / now, 0.0), 1.0)
     for i in range(k.shape[0]):
         for c in range(_active(k[i])):
             correct(k[i], FIRST_CONE + CONE * c, now * ratio * ratio * ratio)
@@ -153,8 +156,14 @@ def _active(row):
 @compiled
 def _start(k, system):
     """Begin in the middle of every ball, with multipliers that need no balance."""
+    target, number = 0.0, 0
     for r in range(6):
         system[NU, r] = 0.0
+    for i in range(k.shape[0]):
+        if k[i, FREE] > 0.0:
+            target += k[i, PRICE] * norm3(k[i, V], k[i, V + 1], 0.0)
+            number += 1
+    target /= max(number, 1)
     for i in range(k.shape[0]):
         row = k[i]
         free = int(row[FREE])
@@ -163,16 +172,18 @@ def _start(k, system):
             row[REST + j] = row[V + j] - row[G + j]
         row[RADIUS] = 0.5 * norm3(row[V], row[V + 1] if free > 1 else 0.0, 0.0)
         for c in range(int(row[CONES])):
-            _start_cone(row, c)
+            _start_cone(row, c, target)
 
 
 @compiled
-def _start_cone(row, c):
+def _start_cone(row, c, target):
     """Put s of a ball to its centre, τ of a cost to twice the norm, and z to (c, 0)."""
     at = FIRST_CONE + CONE * c
     for r in range(CONE):
         row[at + r] = 0.0
     price = row[DISC_PRICE] if c == 3 else row[PRICE]
+    if c == 1 or c == 2:
+        price = SPREAD_BALL * target / (row[RADIUS] if c == 1 else 0.5 * abs(row[V + 1]))
     row[at + Z], row[at + DET_Z] = price, price * price
     first = 1 if c >= 2 else 0
     if c == 0 or c == 3:
@@ -181,6 +192,7 @@ def _start_cone(row, c):
             row[at + S + 1 + j] = row[REST + j]
             square += row[REST + j] * row[REST + j]
         row[at + S] = norm3(row[V] if c == 0 else 0.0, row[V + 1], 0.0)
+        row[at + S] = max(row[at + S], SPREAD_COST * target / price)
         row[at + DET_S] = row[at + S] * row[at + S] - square
     else:
         row[at + S] = row[RADIUS] if c == 1 else 0.5 * abs(row[V + 1])
@@ -190,7 +202,18 @@ def _start_cone(row, c):
 
 
 @compiled
-def complementarity(k, primal, dual):
+def complementarity(k):
+    """Mean of s·z over the cones."""
+    total, number = 0.0, 0
+    for i in range(k.shape[0]):
+        for c in range(_active(k[i])):
+            total += inner(k[i], FIRST_CONE + CONE * c)
+            number += 1
+    return total / max(number, 1)
+
+
+@compiled
+def _predicted(k, primal, dual):
     """Mean of s·z over the cones after steps of these lengths."""
     total, number = 0.0, 0
     for i in range(k.shape[0]):

@@ -10,7 +10,6 @@ cones' right-hand sides, r = −G g. The blocks ``k`` are laid out in `blocks`.
 """
 
 from coopenv.wrench.blocks import (
-    ANSWER,
     CARRIED,
     COLUMNS,
     CONES,
@@ -20,12 +19,17 @@ from coopenv.wrench.blocks import (
     RIGHT,
     STEP,
 )
+from coopenv.wrench.coupling import (
+    BALANCE,
+    NU,
+    NU_STEP,
+    SPARE,
+    clear,
+    factorise_system,
+    solve_system,
+)
 from coopenv.wrench.second_order import CONE, DS, DZ, PER_ETA, Q, W, Z, compiled, dual_step, scale
 
-ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below M: what can be made, r, ν, dν
-SYSTEM = 11  # rows in all
-DEAD = 1e-11  # pivot of Σ G Gᵀ, relative to its diagonal, below which a resultant cannot be made
-VOID = 1e-26  # the same, relative to the largest
 REGULAR = 1e-14  # added to the pivots of M, relative to its diagonal
 FLOOR = 1e-15  # least pivot of H, relative to its diagonal
 
@@ -33,9 +37,7 @@ FLOOR = 1e-15  # least pivot of H, relative to its diagonal
 @compiled
 def factorise(k, system):
     """Scale every cone, factorise every block and the system that couples them."""
-    for r in range(6):
-        for t in range(6):
-            system[r, t] = 0.0
+    clear(system)
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
             row = k[i]
@@ -44,12 +46,7 @@ def factorise(k, system):
             _factorise_block(row, system, 3 * (i % 2))
     for r in range(6):
         system[r, r] *= 1.0 + REGULAR
-    for r in range(6):
-        if system[ALIVE, r] > 0.0 and system[r, r] > 0.0:
-            eliminate(system, r)
-        else:
-            for t in range(r, 6):
-                system[t, r] = 0.0
+    factorise_system(system)
 
 
 @compiled
@@ -63,7 +60,7 @@ def direction(k, system, refined):
     solve_system(system)
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            _spread_step(k[i], system, 3 * (i % 2), 1.0, STEP)
+            spread_step(k[i], system, 3 * (i % 2), 1.0, STEP)
     if refined:
         _refine(k, system)
     for i in range(k.shape[0]):
@@ -83,94 +80,9 @@ def _refine(k, system):
     solve_system(system)
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            _spread_step(k[i], system, 3 * (i % 2), 0.0, STEP)
+            spread_step(k[i], system, 3 * (i % 2), 0.0, STEP)
     for r in range(6):
         system[NU_STEP, r] += system[SPARE, r]
-
-
-@compiled
-def balance(k, system):
-    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0."""
-    resultant(k, system, ANSWER)
-    for r in range(6):
-        system[NU_STEP, r] = system[BALANCE, r]
-    solve_system(system)
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            _spread_step(k[i], system, 3 * (i % 2), 0.0, ANSWER)
-
-
-@compiled
-def resultant(k, system, part):
-    """Write r = −Σ G x for a part x of the blocks; return its largest component."""
-    for r in range(6):
-        system[BALANCE, r] = 0.0
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            for r in range(3 * (i % 2), 6):
-                system[BALANCE, r] -= k[i, COLUMNS + 6 * j + r] * k[i, part + j]
-    largest = 0.0
-    for r in range(6):
-        largest = max(largest, abs(system[BALANCE, r]))
-    return largest
-
-
-@compiled
-def mark_alive(k, system):
-    """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
-    for r in range(6):
-        for t in range(6):
-            system[r, t] = 0.0
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            at = COLUMNS + 6 * j
-            for r in range(3 * (i % 2), 6):
-                for t in range(r + 1):
-                    system[r, t] += k[i, at + r] * k[i, at + t]
-    find_pivots(system)
-
-
-@compiled
-def find_pivots(system):
-    """Factorise a Gram matrix in place and mark its pivots that do not vanish."""
-    largest = 0.0
-    for r in range(6):
-        system[ALIVE, r] = system[r, r]
-        largest = max(largest, system[r, r])
-    for r in range(6):
-        least = max(DEAD * system[ALIVE, r], VOID * largest)
-        system[ALIVE, r] = 1.0 if system[r, r] > least else 0.0
-        if system[ALIVE, r] > 0.0:
-            eliminate(system, r)
-        else:
-            for t in range(r, 6):
-                system[t, r] = 0.0
-
-
-@compiled
-def eliminate(system, j):
-    """One column of LDLᵀ in the lower triangle, 1/D on the diagonal."""
-    per_pivot = 1.0 / system[j, j]
-    for r in range(j + 1, 6):
-        part = system[r, j] * per_pivot
-        for t in range(j + 1, r + 1):
-            system[r, t] -= part * system[t, j]
-    for r in range(j + 1, 6):
-        system[r, j] *= per_pivot
-    system[j, j] = per_pivot
-
-
-@compiled
-def solve_system(system):
-    """Solve M dν = dν in place."""
-    for r in range(6):
-        for t in range(r):
-            system[NU_STEP, r] -= system[r, t] * system[NU_STEP, t]
-    for r in range(6):
-        system[NU_STEP, r] *= system[r, r]
-    for r in range(5, -1, -1):
-        for t in range(r + 1, 6):
-            system[NU_STEP, r] -= system[t, r] * system[NU_STEP, t]
 
 
 @compiled
@@ -253,7 +165,7 @@ def _load(row, system, first):
 
 
 @compiled
-def _spread_step(row, system, first, load, part):
+def spread_step(row, system, first, load, part):
     """Write dg = H⁻¹ (Gᵀdν − ρ), or without the ρ (``load`` = 0) add it to a part of the block."""
     y0, y1, y2 = -load * row[RIGHT], -load * row[RIGHT + 1], -load * row[RIGHT + 2]
     for r in range(first, 6):

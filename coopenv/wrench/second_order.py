@@ -14,12 +14,19 @@ import numpy as np
 from numba import njit
 
 S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # offsets: the pair, scaling, right-hand side, steps
-DET_S, DET_Z, ERROR_S, ERROR_Z, PER_ETA = 24, 25, 26, 27, 28
-CONE = 29  # numbers a cone occupies
+DET_S, DET_Z, ERROR_S, ERROR_Z, PER_ETA, HALF_ANGLE = 24, 25, 26, 27, 28, 29
+CONE = 30  # numbers a cone occupies
 ROUNDING = 4e-16  # of a product of vectors, relative
+CANCELLED = 1e-3  # s·z, relative to s_0 z_0, below which it is not taken from the components
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
-compiled = njit(error_model="numpy", nogil=True, fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+compiled = njit(
+    error_model="numpy",
+    nogil=True,
+    fastmath={"contract"},
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+)
 
 
 @compiled
@@ -42,14 +49,32 @@ def scale(row, at):
     s, z, w = at + S, at + Z, at + W
     root_s, root_z = sqrt(row[at + DET_S]), sqrt(row[at + DET_Z])
     per_s, per_z = 1.0 / root_s, 1.0 / root_z
-    product = row[s] * row[z] + row[s + 1] * row[z + 1]
-    product += row[s + 2] * row[z + 2] + row[s + 3] * row[z + 3]
-    half = 0.5 / sqrt(0.5 + 0.5 * product * per_s * per_z)
+    gamma = sqrt(0.5 + 0.5 * inner(row, at) * per_s * per_z)
+    row[at + HALF_ANGLE] = gamma
+    half = 0.5 / gamma
     w1 = (row[s + 1] * per_s - row[z + 1] * per_z) * half
     w2 = (row[s + 2] * per_s - row[z + 2] * per_z) * half
     w3 = (row[s + 3] * per_s - row[z + 3] * per_z) * half
     row[w], row[w + 1], row[w + 2], row[w + 3] = sqrt(1.0 + w1 * w1 + w2 * w2 + w3 * w3), w1, w2, w3
     row[at + PER_ETA] = sqrt(root_z * per_s)
+
+
+@compiled
+def inner(row, at):
+    """s·z, accurate also where the vectors are long and nearly opposite."""
+    s, z = at + S, at + Z
+    tails = row[s + 1] * row[z + 1] + row[s + 2] * row[z + 2] + row[s + 3] * row[z + 3]
+    heads = row[s] * row[z]
+    if heads + tails > CANCELLED * heads:
+        return heads + tails
+    length_s = sqrt(row[s + 1] ** 2 + row[s + 2] ** 2 + row[s + 3] ** 2)
+    length_z = sqrt(row[z + 1] ** 2 + row[z + 2] ** 2 + row[z + 3] ** 2)
+    c1 = row[s + 2] * row[z + 3] - row[s + 3] * row[z + 2]
+    c2 = row[s + 3] * row[z + 1] - row[s + 1] * row[z + 3]
+    c3 = row[s + 1] * row[z + 2] - row[s + 2] * row[z + 1]
+    lean = (row[s] + length_s) / (row[z] + length_z)
+    aligned = (c1 * c1 + c2 * c2 + c3 * c3) / (length_s * length_z - tails)
+    return 0.5 * (row[at + DET_S] / lean + row[at + DET_Z] * lean) + aligned
 
 
 @compiled
@@ -86,7 +111,7 @@ def correct(row, at, target):
     """
     s, z, q, d = at + S, at + Z, at + Q, at + DS
     u0, u1, u2, u3 = unscaled(row, at, row[d], row[d + 1], row[d + 2], row[d + 3])
-    l0, l1, l2, l3 = unscaled(row, at, row[s], row[s + 1], row[s + 2], row[s + 3])
+    l0, l1, l2, l3 = _scaled_pair(row, at)
     p0 = u0 * u0 + u1 * u1 + u2 * u2 + u3 * u3
     p1, p2, p3 = 2.0 * u0 * u1, 2.0 * u0 * u2, 2.0 * u0 * u3
     det = sqrt(row[at + DET_S] * row[at + DET_Z])
@@ -101,6 +126,24 @@ def correct(row, at, target):
     row[q + 1] = u1 - row[z + 1] - inverse * row[s + 1]
     row[q + 2] = u2 - row[z + 2] - inverse * row[s + 2]
     row[q + 3] = u3 - row[z + 3] - inverse * row[s + 3]
+
+
+@compiled
+def _scaled_pair(row, at):
+    """λ = W⁻¹ s = W z, from both."""
+    s, z, gamma = at + S, at + Z, row[at + HALF_ANGLE]
+    root_s, root_z = sqrt(row[at + DET_S]), sqrt(row[at + DET_Z])
+    per_s, per_z = 1.0 / root_s, 1.0 / root_z
+    size = sqrt(root_s * root_z)
+    s0, z0 = row[s] * per_s, row[z] * per_z
+    part = size / (s0 + z0 + 2.0 * gamma)
+    from_s, from_z = (gamma + z0) * part * per_s, (gamma + s0) * part * per_z
+    return (
+        size * gamma,
+        from_s * row[s + 1] + from_z * row[z + 1],
+        from_s * row[s + 2] + from_z * row[z + 2],
+        from_s * row[s + 3] + from_z * row[z + 3],
+    )
 
 
 @compiled

@@ -10,6 +10,7 @@ from coopenv.wrench import (
     agreement,
     blocks,
     certificate,
+    coupling,
     faces,
     interior_point,
     newton,
@@ -38,7 +39,7 @@ def _compile_batch():
 
     numba looks at the file of the entry alone; what a closure holds goes into its key as well.
     """
-    files = (agreement, blocks, certificate, faces, interior_point, newton, second_order)
+    files = (agreement, blocks, certificate, coupling, faces, interior_point, newton, second_order)
     text = "".join(map(inspect.getsource, files))
     stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
 
@@ -47,7 +48,7 @@ def _compile_batch():
         if stamp < 0:
             return
         k = np.zeros((2 * applied.shape[1], WIDTH))
-        system = np.zeros((newton.SYSTEM, 6))
+        system = np.zeros((coupling.SYSTEM, 6))
         spare = (np.zeros(6), np.zeros(3), np.zeros((3, 3)))
         for j in range(applied.shape[0]):
             place = grips[j if grips.shape[0] > 1 else 0]
