@@ -14,7 +14,7 @@ its applied cost. A block has up to four cones, in this order:
 
 from math import sqrt
 
-from coopenv.wrench.second_order import CONE, TINY, compiled
+from coopenv.wrench.second_order import CONE, TINY, compiled, inlined
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
 V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg
@@ -26,10 +26,16 @@ NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector i
 RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it
 
 
-@compiled
+@inlined
 def norm3(x, y, z):
     """Length of a vector."""
     return sqrt(x * x + y * y + z * z)
+
+
+@inlined
+def cone_of(row, c):
+    """Numbers of a block's cone, as `second_order` has them."""
+    return row[FIRST_CONE + CONE * c : FIRST_CONE + CONE * (c + 1)]
 
 
 @compiled

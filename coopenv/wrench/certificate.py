@@ -17,16 +17,16 @@ from coopenv.wrench.blocks import (
     COLUMNS,
     CONES,
     DISC_PRICE,
-    FIRST_CONE,
     FREE,
     PRICE,
     RADIUS,
     V,
+    cone_of,
     norm3,
 )
 from coopenv.wrench.coupling import BALANCE, NU, NU_STEP, resultant, solve_system, spread_evenly
 from coopenv.wrench.newton import spread_step
-from coopenv.wrench.second_order import CONE, TINY, Z, compiled
+from coopenv.wrench.second_order import TINY, Z, compiled, inlined
 
 EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
@@ -40,7 +40,7 @@ def shortfall(k, system):
     total = 0.0
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            total += _block_shortfall(k[i], system, 3 * (i % 2))
+            total += _block_shortfall(k[i], system, 3 * (i & 1))
     return total
 
 
@@ -53,8 +53,8 @@ def _block_shortfall(row, system, first):
         y1 += row[COLUMNS + 6 + r] * nu
         y2 += row[COLUMNS + 12 + r] * nu
     for c in range(int(row[CONES])):
-        at = FIRST_CONE + CONE * c + Z
-        a0, a1, a2 = row[at + 1], row[at + 2], row[at + 3]
+        cone = cone_of(row, c)
+        a0, a1, a2 = cone[Z + 1], cone[Z + 2], cone[Z + 3]
         if c == 2:  # the program's z of a disc is −ζ
             y1, y2 = y1 + a1, y2 + a2
             total += 0.5 * _defect(0.0, -a1, -a2, 0.0, row[V + 1])
@@ -74,7 +74,7 @@ def _block_shortfall(row, system, first):
     return total + 0.5 * _defect(y0, y1, y2, row[V], row[V + 1])
 
 
-@compiled
+@inlined
 def _defect(a0, a1, a2, b0, b1):
     """‖a‖‖b‖ + a·b for b = (b_0, b_1, 0)."""
     product = a0 * b0 + a1 * b1
@@ -117,6 +117,10 @@ def settle(k, system, part, excess):
             k[i, ANSWER + j] = k[i, part + j]
     for _ in range(2):
         _balance(k, system)
+    for _ in range(4):
+        if resultant(k, system, ANSWER) <= BALANCED:
+            break
+        _balance(k, system)
     if not resultant(k, system, ANSWER) <= BALANCED:
         spread_evenly(k, system)
         if not resultant(k, system, ANSWER) <= BALANCED:
@@ -140,7 +144,7 @@ def _balance(k, system):
     solve_system(system)
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            spread_step(k[i], system, 3 * (i % 2), 0.0, ANSWER)
+            spread_step(k[i], system, 3 * (i & 1), 0.0, ANSWER)
 
 
 @compiled

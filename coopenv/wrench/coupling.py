@@ -19,7 +19,7 @@ def mark_alive(k, system):
     clear(system)
     for i in range(k.shape[0]):
         for j in range(int(k[i, FREE])):
-            add_square(system, k[i], COLUMNS + 6 * j, 3 * (i % 2), 1.0)
+            add_square(system, k[i], COLUMNS + 6 * j, 3 * (i & 1), 1.0)
     find_pivots(system)
 
 
@@ -30,7 +30,7 @@ def resultant(k, system, part):
         system[BALANCE, r] = 0.0
     for i in range(k.shape[0]):
         for j in range(int(k[i, FREE])):
-            for r in range(3 * (i % 2), 6):
+            for r in range(3 * (i & 1), 6):
                 system[BALANCE, r] -= k[i, COLUMNS + 6 * j + r] * k[i, part + j]
     largest = 0.0
     for r in range(6):
@@ -44,7 +44,7 @@ def spread_evenly(k, system):
     clear(system)
     for i in range(k.shape[0]):
         for j in range(int(k[i, FREE])):
-            add_square(system, k[i], COLUMNS + 6 * j, 3 * (i % 2), k[i, RADIUS] * k[i, RADIUS])
+            add_square(system, k[i], COLUMNS + 6 * j, 3 * (i & 1), k[i, RADIUS] * k[i, RADIUS])
     factorise_system(system)
     for _ in range(2):
         resultant(k, system, ANSWER)
@@ -54,7 +54,7 @@ def spread_evenly(k, system):
         for i in range(k.shape[0]):
             for j in range(int(k[i, FREE])):
                 step = 0.0
-                for r in range(3 * (i % 2), 6):
+                for r in range(3 * (i & 1), 6):
                     step += k[i, COLUMNS + 6 * j + r] * system[NU_STEP, r]
                 k[i, ANSWER + j] += step * k[i, RADIUS] * k[i, RADIUS]
 

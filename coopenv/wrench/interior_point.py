@@ -8,29 +8,23 @@ from coopenv.wrench.agreement import certify, disagreement, share_torques, start
 from coopenv.wrench.blocks import (
     ANSWER,
     CONES,
-    DISC_PRICE,
-    FIRST_CONE,
     FREE,
-    PRICE,
-    RADIUS,
     REST,
     STEP,
     G,
-    V,
-    norm3,
+    cone_of,
 )
+from coopenv.wrench.central_start import start
 from coopenv.wrench.certificate import EXCESS, LOOSE, saving, settle, shortfall
 from coopenv.wrench.coupling import NU, NU_STEP, mark_alive, resultant
 from coopenv.wrench.faces import fix_immovable, largest_multiplier
 from coopenv.wrench.newton import direction, factorise
 from coopenv.wrench.second_order import (
-    CONE,
     DET_S,
     DET_Z,
     DS,
     DZ,
     ERROR_S,
-    ERROR_Z,
     ROUNDING,
     Q,
     S,
@@ -47,7 +41,6 @@ PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
 THIN = 0.05  # sine below which they nearly agree
 LARGE = 10.0  # multiplier of a ball from which on one looks for what cannot move
 MAX_STEPS = 80
-SPREAD_BALL, SPREAD_COST = 0.5, 0.0
 PATIENCE = 10  # iterations without progress
 STUCK = 1e-6  # step length that is none
 
@@ -65,7 +58,7 @@ def solve(k, system, tolerance):
         shared = certify(k, system, sine)
         if shared <= tolerance or sine <= PARALLEL:
             return 0, shared
-    _start(k, system)
+    start(k, system)
     if sine < THIN:
         start_near(k, system, sine)
     bound, best, stalled, step, began, large = np.inf, np.inf, 0, 0, 0, LARGE
@@ -88,7 +81,7 @@ def solve(k, system, tolerance):
             fixed = fix_immovable(k, system)
             mark_alive(k, system)
             if fixed:
-                _start(k, system)
+                start(k, system)
                 bound, shared, best, stalled, began, large = (
                     np.inf,
                     np.inf,
@@ -123,16 +116,16 @@ def _iterate(k, system, now):
     factorise(k, system)
     for i in range(k.shape[0]):
         for c in range(_active(k[i])):
-            at = FIRST_CONE + CONE * c
+            cone = cone_of(k[i], c)
             for r in range(4):
-                k[i, at + Q + r] = -k[i, at + Z + r]
+                cone[Q + r] = -cone[Z + r]
     direction(k, system, False)
     primal, dual = _step_lengths(k)
     primal, dual = min(1.0, primal), min(1.0, dual)
     ratio = min(max(_predicted(k, primal, dual) / now, 0.0), 1.0)
     for i in range(k.shape[0]):
         for c in range(_active(k[i])):
-            correct(k[i], FIRST_CONE + CONE * c, now * ratio * ratio * ratio)
+            correct(cone_of(k[i], c), now * ratio * ratio * ratio)
     direction(k, system, True)
     back = min(max(0.98, 1.0 - 0.1 * ratio), 0.999)
     primal, dual = _step_lengths(k)
@@ -154,60 +147,12 @@ def _active(row):
 
 
 @compiled
-def _start(k, system):
-    """Begin in the middle of every ball, with multipliers that need no balance."""
-    target, number = 0.0, 0
-    for r in range(6):
-        system[NU, r] = 0.0
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            target += k[i, PRICE] * norm3(k[i, V], k[i, V + 1], 0.0)
-            number += 1
-    target /= max(number, 1)
-    for i in range(k.shape[0]):
-        row = k[i]
-        free = int(row[FREE])
-        for j in range(3):
-            row[G + j] = 0.5 * row[V + j] if j < free else 0.0
-            row[REST + j] = row[V + j] - row[G + j]
-        row[RADIUS] = 0.5 * norm3(row[V], row[V + 1] if free > 1 else 0.0, 0.0)
-        for c in range(int(row[CONES])):
-            _start_cone(row, c, target)
-
-
-@compiled
-def _start_cone(row, c, target):
-    """Put s of a ball to its centre, τ of a cost to twice the norm, and z to (c, 0)."""
-    at = FIRST_CONE + CONE * c
-    for r in range(CONE):
-        row[at + r] = 0.0
-    price = row[DISC_PRICE] if c == 3 else row[PRICE]
-    if c == 1 or c == 2:
-        price = SPREAD_BALL * target / (row[RADIUS] if c == 1 else 0.5 * abs(row[V + 1]))
-    row[at + Z], row[at + DET_Z] = price, price * price
-    first = 1 if c >= 2 else 0
-    if c == 0 or c == 3:
-        square = 0.0
-        for j in range(first, 3):
-            row[at + S + 1 + j] = row[REST + j]
-            square += row[REST + j] * row[REST + j]
-        row[at + S] = norm3(row[V] if c == 0 else 0.0, row[V + 1], 0.0)
-        row[at + S] = max(row[at + S], SPREAD_COST * target / price)
-        row[at + DET_S] = row[at + S] * row[at + S] - square
-    else:
-        row[at + S] = row[RADIUS] if c == 1 else 0.5 * abs(row[V + 1])
-        row[at + DET_S] = row[at + S] * row[at + S]
-    row[at + ERROR_S] = ROUNDING * row[at + S] * row[at + S]
-    row[at + ERROR_Z] = ROUNDING * price * price
-
-
-@compiled
 def complementarity(k):
     """Mean of s·z over the cones."""
     total, number = 0.0, 0
     for i in range(k.shape[0]):
         for c in range(_active(k[i])):
-            total += inner(k[i], FIRST_CONE + CONE * c)
+            total += inner(cone_of(k[i], c))
             number += 1
     return total / max(number, 1)
 
@@ -219,10 +164,10 @@ def _predicted(k, primal, dual):
     for i in range(k.shape[0]):
         row = k[i]
         for c in range(_active(row)):
-            at = FIRST_CONE + CONE * c
+            cone = cone_of(row, c)
             for r in range(4):
-                s = row[at + S + r] + primal * row[at + DS + r]
-                total += s * (row[at + Z + r] + dual * row[at + DZ + r])
+                s = cone[S + r] + primal * cone[DS + r]
+                total += s * (cone[Z + r] + dual * cone[DZ + r])
             number += 1
     return total / max(number, 1)
 
@@ -234,9 +179,9 @@ def _step_lengths(k):
     for i in range(k.shape[0]):
         row = k[i]
         for c in range(_active(row)):
-            at = FIRST_CONE + CONE * c
-            primal = min(primal, longest_step(row, at + S, at + DS, row[at + DET_S]))
-            dual = min(dual, longest_step(row, at + Z, at + DZ, row[at + DET_Z]))
+            cone = cone_of(row, c)
+            primal = min(primal, longest_step(cone, S, DS, cone[DET_S]))
+            dual = min(dual, longest_step(cone, Z, DZ, cone[DET_Z]))
     return primal, dual
 
 
@@ -247,18 +192,18 @@ def _advance_block(row, primal, dual):
         row[G + j] += primal * row[STEP + j]
         row[REST + j] -= primal * row[STEP + j]
     for c in range(int(row[CONES])):
-        at = FIRST_CONE + CONE * c
-        advance(row, at + S, at + DS, at + DET_S, primal)
-        advance(row, at + Z, at + DZ, at + DET_Z, dual)
-        refresh(row, at + Z, at + DET_Z)
+        cone = cone_of(row, c)
+        advance(cone, S, DS, DET_S, primal)
+        advance(cone, Z, DZ, DET_Z, dual)
+        refresh(cone, Z, DET_Z)
         if c == 0 or c == 3:
-            refresh(row, at + S, at + DET_S)
+            refresh(cone, S, DET_S)
             continue
         inside, size = 0.0, 0.0
         for j in range(c - 1, int(row[FREE])):
             product = row[G + j] * row[REST + j]
             inside += product
             size += abs(product)
-            row[at + S + 1 + j] = 0.5 * (row[G + j] - row[REST + j])
-        if ROUNDING * size < row[at + ERROR_S] and inside > 2.0 * ROUNDING * size:
-            row[at + DET_S], row[at + ERROR_S] = inside, ROUNDING * size
+            cone[S + 1 + j] = 0.5 * (row[G + j] - row[REST + j])
+        if ROUNDING * size < cone[ERROR_S] and inside > 2.0 * ROUNDING * size:
+            cone[DET_S], cone[ERROR_S] = inside, ROUNDING * size

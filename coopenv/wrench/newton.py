@@ -14,10 +14,10 @@ from coopenv.wrench.blocks import (
     COLUMNS,
     CONES,
     FACTOR,
-    FIRST_CONE,
     FREE,
     RIGHT,
     STEP,
+    cone_of,
 )
 from coopenv.wrench.coupling import (
     BALANCE,
@@ -28,7 +28,18 @@ from coopenv.wrench.coupling import (
     factorise_system,
     solve_system,
 )
-from coopenv.wrench.second_order import CONE, DS, DZ, PER_ETA, Q, W, Z, compiled, dual_step, scale
+from coopenv.wrench.second_order import (
+    DS,
+    DZ,
+    PER_BEND,
+    SQUARE,
+    Q,
+    W,
+    Z,
+    compiled,
+    dual_step,
+    scale,
+)
 
 REGULAR = 1e-14  # added to the pivots of M, relative to its diagonal
 FLOOR = 1e-15  # least pivot of H, relative to its diagonal
@@ -42,8 +53,8 @@ def factorise(k, system):
         if k[i, FREE] > 0.0:
             row = k[i]
             for c in range(int(row[CONES])):
-                scale(row, FIRST_CONE + CONE * c)
-            _factorise_block(row, system, 3 * (i % 2))
+                scale(cone_of(row, c))
+            _factorise_block(row, system, 3 * (i & 1))
     for r in range(6):
         system[r, r] *= 1.0 + REGULAR
     factorise_system(system)
@@ -56,11 +67,11 @@ def direction(k, system, refined):
         system[NU_STEP, r] = system[BALANCE, r]
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            _load(k[i], system, 3 * (i % 2))
+            _load(k[i], system, 3 * (i & 1))
     solve_system(system)
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            spread_step(k[i], system, 3 * (i % 2), 1.0, STEP)
+            spread_step(k[i], system, 3 * (i & 1), 1.0, STEP)
     if refined:
         _refine(k, system)
     for i in range(k.shape[0]):
@@ -75,12 +86,12 @@ def _refine(k, system):
         system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
     for i in range(k.shape[0]):
         for j in range(int(k[i, FREE])):
-            for r in range(3 * (i % 2), 6):
+            for r in range(3 * (i & 1), 6):
                 system[NU_STEP, r] -= k[i, COLUMNS + 6 * j + r] * k[i, STEP + j]
     solve_system(system)
     for i in range(k.shape[0]):
         if k[i, FREE] > 0.0:
-            spread_step(k[i], system, 3 * (i % 2), 0.0, STEP)
+            spread_step(k[i], system, 3 * (i & 1), 0.0, STEP)
     for r in range(6):
         system[NU_STEP, r] += system[SPARE, r]
 
@@ -90,10 +101,10 @@ def _hessian(row):
     """Upper triangle of H: the sum of the cones' curvatures, τ eliminated."""
     h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(int(row[CONES])):
-        at = FIRST_CONE + CONE * c
-        w0, w1, w2, w3 = row[at + W], row[at + W + 1], row[at + W + 2], row[at + W + 3]
-        square = row[at + PER_ETA] * row[at + PER_ETA]
-        bend = square * (2.0 if c == 1 or c == 2 else -2.0 / (2.0 * w0 * w0 - 1.0))
+        cone = cone_of(row, c)
+        w1, w2, w3 = cone[W + 1], cone[W + 2], cone[W + 3]
+        square = cone[SQUARE]
+        bend = square * (2.0 if c == 1 or c == 2 else -2.0 * cone[PER_BEND])
         if c < 2:
             h00 += square + bend * w1 * w1
             h01 += bend * w1 * w2
@@ -147,14 +158,13 @@ def _load(row, system, first):
         y1 -= row[COLUMNS + 6 + r] * nu
         y2 -= row[COLUMNS + 12 + r] * nu
     for c in range(int(row[CONES])):
-        at = FIRST_CONE + CONE * c
-        q, z, w = at + Q, at + Z, at + W
+        cone = cone_of(row, c)
         sign, more = -1.0, 0.0
         if c == 0 or c == 3:
-            sign, more = 1.0, 2.0 * row[w] * row[q] / (2.0 * row[w] * row[w] - 1.0)
-        y0 += sign * (row[z + 1] + row[q + 1] + more * row[w + 1])
-        y1 += sign * (row[z + 2] + row[q + 2] + more * row[w + 2])
-        y2 += sign * (row[z + 3] + row[q + 3] + more * row[w + 3])
+            sign, more = 1.0, 2.0 * cone[W] * cone[Q] * cone[PER_BEND]
+        y0 += sign * (cone[Z + 1] + cone[Q + 1] + more * cone[W + 1])
+        y1 += sign * (cone[Z + 2] + cone[Q + 2] + more * cone[W + 2])
+        y2 += sign * (cone[Z + 3] + cone[Q + 3] + more * cone[W + 3])
     y1 -= row[FACTOR] * y0
     y2 -= row[FACTOR + 1] * y0 + row[FACTOR + 2] * y1
     row[RIGHT], row[RIGHT + 1], row[RIGHT + 2] = y0, y1, y2
@@ -186,19 +196,19 @@ def spread_step(row, system, first, load, part):
 def _move_cones(row):
     """Write ds and dz of the block's cones; a cost's τ moves so that its own dual stays c."""
     for c in range(int(row[CONES])):
-        at = FIRST_CONE + CONE * c
-        ds, w = at + DS, at + W
+        cone = cone_of(row, c)
         is_cost = c == 0 or c == 3
         sign = -1.0 if is_cost else 1.0
-        row[ds] = 0.0
-        row[ds + 1] = sign * row[STEP] if c < 2 else 0.0
-        row[ds + 2] = sign * row[STEP + 1]
-        row[ds + 3] = sign * row[STEP + 2]
+        cone[DS] = 0.0
+        cone[DS + 1] = sign * row[STEP] if c < 2 else 0.0
+        cone[DS + 2] = sign * row[STEP + 1]
+        cone[DS + 3] = sign * row[STEP + 2]
         if is_cost:
-            square = row[at + PER_ETA] * row[at + PER_ETA]
-            along = row[w + 1] * row[ds + 1] + row[w + 2] * row[ds + 2] + row[w + 3] * row[ds + 3]
-            row[ds] = row[at + Q] / square + 2.0 * row[w] * along
-            row[ds] /= 2.0 * row[w] * row[w] - 1.0
-        dual_step(row, at)
+            square = cone[SQUARE]
+            along = cone[W + 1] * cone[DS + 1] + cone[W + 2] * cone[DS + 2]
+            along += cone[W + 3] * cone[DS + 3]
+            cone[DS] = cone[Q] / square + 2.0 * cone[W] * along
+            cone[DS] *= cone[PER_BEND]
+        dual_step(cone)
         if is_cost:
-            row[at + DZ] = 0.0
+            cone[DZ] = 0.0

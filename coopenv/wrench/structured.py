@@ -8,6 +8,11 @@ inside every ball to rounding and carries a bound on its suboptimality from the 
 (`certificate`). A sample whose bound is worse than `ACCEPTED` is also given to `conic`, and the
 better answer is kept; the bound stays our own.
 
+The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
+left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds
+to 1e-13. Where the feasible set is thin, rounding of the wrench moves the optimum by the root of
+it, 1e-8 to 1e-7 of the cost, as for wrenches that agree but for rounding.
+
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """
 
@@ -29,7 +34,7 @@ if TYPE_CHECKING:
     from coopenv.wrench.settings import Settings
 
 TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
-ACCEPTED = 1e-8  # gap up to which an answer is not tried again with `conic`
+ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
 PARTS = 4  # of a batch for each thread: some take longer than others
 
