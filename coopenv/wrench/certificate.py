@@ -30,8 +30,9 @@ from coopenv.wrench.second_order import TINY, Z, compiled, inlined
 
 EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
+EVENED = 1e-15  # resultant of g from which on it is not corrected any more
 BALANCED = 1e-13  # largest resultant of an answer's g
-NOISE = 1e-24  # square of an internal part that may point anywhere
+NOISE = 1e-28  # square of an internal part that may point anywhere
 
 
 @compiled
@@ -115,10 +116,9 @@ def settle(k, system, part, excess):
     for i in range(k.shape[0]):
         for j in range(3):
             k[i, ANSWER + j] = k[i, part + j]
-    for _ in range(2):
-        _balance(k, system)
-    for _ in range(4):
-        if resultant(k, system, ANSWER) <= BALANCED:
+    _balance(k, system)
+    for _ in range(5):
+        if resultant(k, system, ANSWER) <= EVENED:
             break
         _balance(k, system)
     if not resultant(k, system, ANSWER) <= BALANCED:
