@@ -134,7 +134,7 @@ def test_hopeless_wrenches_fall_back_and_own_up_to_their_gap():
     d = solve(applied, grips)
     doubtful = d.gap > structured.ACCEPTED * d.applied_cost
     assert relative_residuals(d).max() <= 1e-8
-    assert doubtful.mean() <= 0.1
+    assert doubtful.mean() <= 0.2
     oracle = solve(applied, grips, "conic")
     internal = oracle.internal
     for i in range(len(applied)):

@@ -20,7 +20,8 @@ FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cone
 V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg
 FACTOR, RIGHT, COLUMNS, CARRIED, FIRST_CONE = 20, 26, 29, 47, 65  # see `newton`
 PENDING = FIRST_CONE + 4 * CONE  # see `faces`
-WIDTH = PENDING + 1
+KEPT = PENDING + 1  # the best answer so far
+WIDTH = KEPT + 3
 
 NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
 RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it

@@ -9,6 +9,7 @@ from coopenv.wrench.blocks import (
     ANSWER,
     CONES,
     FREE,
+    KEPT,
     REST,
     STEP,
     G,
@@ -42,6 +43,8 @@ THIN = 0.05  # sine below which they nearly agree
 LARGE = 10.0  # multiplier of a ball from which on one looks for what cannot move
 MAX_STEPS = 80
 PATIENCE = 10  # iterations without progress
+PROMISING = 1e-6  # gap of an iterate that is worth making an answer of
+DOUBTFUL = 1e-8  # gap of the answer kept from which on the last iterate is tried as well
 STUCK = 1e-6  # step length that is none
 
 
@@ -62,14 +65,15 @@ def solve(k, system, tolerance):
     if sine < THIN:
         start_near(k, system, sine)
     bound, best, stalled, step, began, large = np.inf, np.inf, 0, 0, 0, LARGE
+    kept = -np.inf
     for step in range(MAX_STEPS):
         bound = min(bound, shortfall(k, system))
         if bound <= tolerance:
             break
-        if step > began and bound - saving(k, G) <= tolerance:
-            gap = bound - settle(k, system, G, EXCESS)
-            if gap <= tolerance:
-                return step, max(gap, 0.0)
+        if step > began and bound - saving(k, G) <= PROMISING:
+            kept = _keep(k, settle(k, system, G, EXCESS), kept)
+            if bound - kept <= tolerance:
+                break
         now = complementarity(k)
         progress = resultant(k, system, G) + now
         stalled = 0 if progress < 0.9 * best else stalled + 1
@@ -82,25 +86,35 @@ def solve(k, system, tolerance):
             mark_alive(k, system)
             if fixed:
                 start(k, system)
-                bound, shared, best, stalled, began, large = (
-                    np.inf,
-                    np.inf,
-                    np.inf,
-                    0,
-                    step + 1,
-                    LARGE,
-                )
-    return step, _best_answer(k, system, bound, shared, step > began)
+                bound, shared, best, kept = np.inf, np.inf, np.inf, -np.inf
+                stalled, began, large = 0, step + 1, LARGE
+    return step, _best_answer(k, system, bound, shared, kept, step > began)
 
 
 @compiled
-def _best_answer(k, system, bound, shared, iterated):
+def _keep(k, saved, kept):
+    """Keep the candidate if it saves more than what was kept; return what is saved now."""
+    if not saved > kept:
+        return kept
+    for i in range(k.shape[0]):
+        for j in range(3):
+            k[i, KEPT + j] = k[i, ANSWER + j]
+    return saved
+
+
+@compiled
+def _best_answer(k, system, bound, shared, kept, iterated):
     """Leave the cheapest answer at hand: settled, shared, or as applied; return its gap."""
-    gap = bound - settle(k, system, G, EXCESS) if iterated else np.inf
-    if iterated and gap > 10.0 * sqrt(LOOSE):
-        gap = max(bound - settle(k, system, G, LOOSE), 0.0) + 10.0 * sqrt(LOOSE)
-    if gap <= min(shared, bound):
-        return max(gap, 0.0)
+    if iterated and bound - kept > min(DOUBTFUL, bound):
+        kept = _keep(k, settle(k, system, G, EXCESS), kept)
+        loose = settle(k, system, G, LOOSE) - 10.0 * sqrt(LOOSE)
+        if bound - kept > 10.0 * sqrt(LOOSE):
+            kept = _keep(k, loose, kept)
+    if bound - kept <= min(shared, bound):
+        for i in range(k.shape[0]):
+            for j in range(3):
+                k[i, ANSWER + j] = k[i, KEPT + j]
+        return max(bound - kept, 0.0)
     if shared <= bound:
         share_torques(k, system)
         return shared
