@@ -4,9 +4,10 @@ import inspect
 from hashlib import sha256
 
 import numpy as np
-from numba import carray, njit, types
+from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
+from numba.np.numpy_support import carray
 
 from coopenv.wrench import (
     agreement,
@@ -50,7 +51,8 @@ def _pointer(typing_context, address):
 @compiled
 def _uncounted(address, shape):
     """View of memory whose rows numba does not count the references to: that took half the time."""
-    return carray(_pointer(address), shape, np.float64)
+    pointer = _pointer(address)  # pyright: ignore[reportCallIssue]  # numba adds the context
+    return carray(pointer, shape, np.float64)
 
 
 def _compile_batch():
