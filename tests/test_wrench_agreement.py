@@ -82,7 +82,7 @@ FIGURE_5 = forces((3, 3), (4, -1), (-3, 0))
 def test_figure_5_optimal():
     d = decompose(FIGURE_5, CENTRE)
     assert np.linalg.norm(d.manipulation[:, :2], axis=-1).sum() == pytest.approx(4.472, abs=5e-4)
-    assert d.solver == "conic"
+    assert d.solver == "structured"
 
 
 def test_figure_5_point_mass():

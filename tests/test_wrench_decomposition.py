@@ -74,10 +74,10 @@ def test_grips_may_differ_from_sample_to_sample(method):
 
 def test_auto_takes_the_exact_solver_where_it_applies():
     assert wrench.Decomposer(BEAM).solver == "pair"
-    assert wrench.Decomposer(OFF_AXIS).solver == "conic"
-    assert wrench.Decomposer(TRIANGLE).solver == "conic"
-    assert wrench.Decomposer(np.zeros((2, 3))).solver == "conic"
-    assert wrench.Decomposer([BEAM, OFF_AXIS]).solver == "conic"
+    assert wrench.Decomposer(OFF_AXIS).solver == "structured"
+    assert wrench.Decomposer(TRIANGLE).solver == "structured"
+    assert wrench.Decomposer(np.zeros((2, 3))).solver == "structured"
+    assert wrench.Decomposer([BEAM, OFF_AXIS]).solver == "structured"
     assert wrench.Decomposer(BEAM, wrench.Settings(method="point_mass")).solver == "closed_form"
 
 

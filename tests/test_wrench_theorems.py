@@ -82,9 +82,10 @@ def test_with_growing_torque_weight_force_does_not_fall_and_torque_does_not_rise
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_monotonicity_holds_for_more_effectors(dimension):
     rng = np.random.default_rng(4)
-    grips = rng.normal(size=(3, dimension))
-    applied = rng.normal(size=(20, 3, 3 * dimension - 3))
-    assert_monotone(applied, grips, 1e-6, solver="conic")
+    for n in (3, 5):
+        grips = rng.normal(size=(n, dimension))
+        applied = rng.normal(size=(100, n, 3 * dimension - 3))
+        assert_monotone(applied, grips, 1e-6)
 
 
 @pytest.mark.parametrize(("num_effectors", "dimension"), [(2, 2), (3, 2), (5, 2), (2, 3), (4, 3)])
@@ -103,6 +104,7 @@ def test_wrenches_of_virtual_masses_are_free_of_internal_wrench(
         virtual_masses=masses,
         virtual_inertias=rng.uniform(0.5, 2.0, num_effectors),
     )
-    d = wrench.decompose(applied, grips, include_induced=include_induced, solver="conic")
-    assert d.relative_cost.max() <= 1e-5  # the feasible set is a point: √ of the tolerance
-    np.testing.assert_allclose(d.manipulation, applied, atol=1e-2)
+    d = wrench.decompose(applied, grips, include_induced=include_induced)
+    assert not d.fell_back.any()
+    assert d.relative_cost.max() <= 1e-7  # the feasible set is a point: √ of the rounding
+    np.testing.assert_allclose(d.manipulation, applied, atol=1e-3)

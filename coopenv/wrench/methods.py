@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench import (
     max_internal,
     net_force,
@@ -18,8 +18,11 @@ from coopenv.wrench import (
 if TYPE_CHECKING:
     from coopenv.wrench.settings import Settings
 
-Solve: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray | None]]
-"""Applied wrenches to manipulation wrenches and the gap ``(...)`` [N] of their cost, or None."""
+Answer: TypeAlias = tuple[FloatArray, FloatArray | None] | tuple[FloatArray, FloatArray, BoolArray]
+"""Manipulation wrenches; the gap ``(...)`` [N] of their cost, or None; where `conic` stepped in."""
+
+Solve: TypeAlias = Callable[[FloatArray], Answer]
+"""Applied wrenches to their answer."""
 
 Prepared: TypeAlias = tuple[str, Solve]
 """The solver's name, and the solver with grips and settings checked and worked in."""

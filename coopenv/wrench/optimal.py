@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from coopenv.arrays import FloatArray
-from coopenv.wrench import conic, pair
+from coopenv.wrench import conic, pair, structured
 
 if TYPE_CHECKING:
     from coopenv.wrench.methods import Prepared, Solve
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 SOLVERS: dict[str, "Callable[[FloatArray, Settings], Solve]"] = {
     "pair": pair.prepare,
+    "structured": structured.prepare,
     "conic": conic.prepare,
 }
 
@@ -24,5 +25,5 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
     """Choose the fastest exact solver for these grips, or take the one that was asked for."""
     name = settings.solver
     if name == "auto":
-        name = "pair" if pair.applies(grips).all() else "conic"
+        name = "pair" if pair.applies(grips).all() else "structured"
     return name, SOLVERS[name](grips, settings)

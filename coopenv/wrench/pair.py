@@ -48,7 +48,7 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     if not bool(np.all(applies(grips))):
         raise InvalidInput(
             "grips must be two planar positions on one line through the centre of mass for "
-            f"solver='pair', got {np.array2string(grips, threshold=8)}; use solver='conic'"
+            f"solver='pair', got {np.array2string(grips, threshold=8)}; use solver='structured'"
         )
     axis = _axis(grips)
     weights = np.array([settings.torque_weight, float(settings.include_induced)])

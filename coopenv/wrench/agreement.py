@@ -1,0 +1,188 @@
+"""Forces that agree, exactly or nearly: the states in which the feasible set has no interior.
+
+Where all forces point the same way none of them can be internal: Σ g = 0 while every g·f ≥ 0. Then
+the pure torques are shared along their sum (eqs. 22-23) and that is the answer. Where the forces
+nearly agree the same answer is nearly optimal, and where that is not good enough the iterations
+begin next to it.
+"""
+
+from math import sqrt
+
+from coopenv.wrench.blocks import (
+    ANSWER,
+    COLUMNS,
+    CONES,
+    DISC_PRICE,
+    FIRST_CONE,
+    FREE,
+    PRICE,
+    RADIUS,
+    REST,
+    G,
+    V,
+    norm3,
+)
+from coopenv.wrench.certificate import saving, shortfall
+from coopenv.wrench.coupling import NU, NU_STEP
+from coopenv.wrench.second_order import (
+    CONE,
+    DET_S,
+    DET_Z,
+    ERROR_S,
+    ERROR_Z,
+    ROUNDING,
+    TINY,
+    S,
+    Z,
+    compiled,
+)
+
+
+@compiled
+def disagreement(k, system):
+    """Largest sine of the angle between a force and Σ f, 1 if one opposes it."""
+    _sum(k, system, 0)
+    x, y, z = system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]
+    size = max(norm3(x, y, z), TINY)
+    x, y, z = x / size, y / size, z / size
+    sine = 0.0
+    for i in range(0, k.shape[0], 2):
+        row = k[i]
+        if row[FREE] == 0.0:
+            continue
+        fx = row[COLUMNS] * row[V] + row[COLUMNS + 6] * row[V + 1]
+        fy = row[COLUMNS + 1] * row[V] + row[COLUMNS + 7] * row[V + 1]
+        fz = row[COLUMNS + 2] * row[V] + row[COLUMNS + 8] * row[V + 1]
+        if fx * x + fy * y + fz * z <= 0.0:
+            return 1.0
+        across = norm3(fy * z - fz * y, fz * x - fx * z, fx * y - fy * x)
+        sine = max(sine, across / norm3(fx, fy, fz))
+    return sine
+
+
+@compiled
+def _sum(k, system, first):
+    """Write Σ f to dν, or Σ t to its second half (``first`` = 3)."""
+    for r in range(first, first + 3):
+        system[NU_STEP, r] = 0.0
+        for i in range(first // 3, k.shape[0], 2):
+            for j in range(2):
+                system[NU_STEP, r] += k[i, COLUMNS + 6 * j + r] * k[i, V + j]
+
+
+@compiled
+def share_torques(k, system):
+    """Candidate that keeps every force and shares the torques along their sum t; return ‖t‖.
+
+    t_M,i = max(t_i·t, 0) / Σ max(t_j·t, 0) t    (eqs. 22-23)
+    """
+    _sum(k, system, 3)
+    supply = 0.0
+    for i in range(1, k.shape[0], 2):
+        supply += max(_along(k[i], system), 0.0)
+    for i in range(k.shape[0]):
+        row = k[i]
+        row[ANSWER], row[ANSWER + 1], row[ANSWER + 2] = 0.0, 0.0, 0.0
+        if i % 2 == 0 or row[FREE] == 0.0:
+            continue
+        share = max(_along(row, system), 0.0) / max(supply, TINY)
+        for j in range(3):
+            needed = 0.0
+            for r in range(3, 6):
+                needed += share * system[NU_STEP, r] * row[COLUMNS + 6 * j + r]
+            row[ANSWER + j] = row[V + j] - needed
+    return norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5])
+
+
+@compiled
+def _along(row, system):
+    """Inner product of a torque with Σ t."""
+    product = row[COLUMNS + 3] * system[NU_STEP, 3] + row[COLUMNS + 4] * system[NU_STEP, 4]
+    return (product + row[COLUMNS + 5] * system[NU_STEP, 5]) * row[V]
+
+
+@compiled
+def certify(k, system, sine):
+    """Leave `share_torques` as the candidate and return the bound on its suboptimality.
+
+    ν_f = −K f_o/‖f_o‖ with K about 1/sine, ν_t = −c t/‖t‖; ζ = −c v/‖v‖ for forces, ν_t for torques
+    """
+    _aim(k, system, max(sine, 1e-15))
+    size = max(share_torques(k, system), TINY)
+    for r in range(3, 6):
+        system[NU, r] = -k[1, PRICE] * system[NU_STEP, r] / size
+    for i in range(k.shape[0]):
+        row = k[i]
+        z = FIRST_CONE + Z
+        length = max(norm3(row[V], row[V + 1], 0.0), TINY)
+        for j in range(3):
+            row[z + 1 + j] = -row[PRICE] * row[V + j] / length
+            if i % 2 == 1:
+                row[z + 1 + j] = 0.0
+                for r in range(3, 6):
+                    row[z + 1 + j] += row[COLUMNS + 6 * j + r] * system[NU, r]
+            row[z + 2 * CONE + 1 + j] = 0.0
+            row[z + 3 * CONE + 1 + j] = 0.0
+        sign = 1.0 if row[V + 1] > 0.0 else -1.0
+        row[z + 3 * CONE + 2] = -row[DISC_PRICE] * sign
+    return max(shortfall(k, system) - saving(k, ANSWER), 0.0)
+
+
+@compiled
+def _aim(k, system, sine):
+    """ν_f = −c/sine f_o/‖f_o‖."""
+    _sum(k, system, 0)
+    size = max(norm3(system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]), TINY)
+    for r in range(3):
+        system[NU, r] = -k[0, PRICE] / sine * system[NU_STEP, r] / size
+        system[NU, r + 3] = 0.0
+
+
+@compiled
+def start_near(k, system, sine):
+    """Move the forces' start to where it must end, near 0, with the multipliers that say so.
+
+    g = θ f with θ such that s·z is as large as in the other blocks.
+    """
+    _aim(k, system, sine)
+    target = 0.0
+    for i in range(0, k.shape[0], 2):
+        target += 2.0 * k[i, PRICE] * norm3(k[i, V], k[i, V + 1], 0.0) / k.shape[0]
+    for i in range(0, k.shape[0], 2):
+        if k[i, FREE] > 0.0:
+            _start_force_near(k[i], system, target)
+
+
+@compiled
+def _start_force_near(row, system, target):
+    z = FIRST_CONE + CONE + Z
+    for j in range(3):  # the ball's z is −Gᵀν
+        row[z + 1 + j] = 0.0
+        if j < row[FREE]:
+            for r in range(3):
+                row[z + 1 + j] -= row[COLUMNS + 6 * j + r] * system[NU, r]
+    length = norm3(row[z + 1], row[z + 2], row[z + 3])
+    at = FIRST_CONE + CONE
+    row[z] = length + target / row[RADIUS]
+    row[at + DET_Z] = (row[z] - length) * (row[z] + length)
+    row[at + ERROR_Z] = ROUNDING * row[z] * row[z]
+    theta = min(0.5, target / max(2.0 * row[RADIUS] * length, TINY))
+    for j in range(int(row[FREE])):
+        row[G + j] = theta * row[V + j]
+        row[REST + j] = row[V + j] - row[G + j]
+    for c in range(int(row[CONES])):
+        at = FIRST_CONE + CONE * c
+        first = 1 if c >= 2 else 0
+        inside, length = 0.0, 0.0
+        for j in range(first, 3):
+            inside += row[G + j] * row[REST + j]
+            rest = row[REST + j] if c == 0 or c == 3 else 0.5 * (row[G + j] - row[REST + j])
+            if j >= row[FREE] and (c == 1 or c == 2):
+                rest = 0.0
+            row[at + S + 1 + j] = rest
+            length += rest * rest
+        if c == 0 or c == 3:
+            row[at + S] = 1.5 * sqrt(length)
+            inside = 1.25 * length
+        row[at + DET_S] = inside
+        row[at + ERROR_S] = ROUNDING * inside

@@ -1,0 +1,164 @@
+"""Any number of effectors, in the plane or in space, in time linear in their number.
+
+A primal-dual interior-point method (`interior_point`). The effectors are coupled only by the
+balance of force and torque, so every Newton step comes down to one system of 6 equations
+(`newton`). Where the forces agree (`agreement`), which is the most common state of a good team, the
+feasible set has no interior and the answer is written down instead. Every answer is balanced and
+inside every ball to rounding and carries a bound on its suboptimality from the dual program
+(`certificate`). A sample whose bound is worse than `ACCEPTED` is also given to `conic`, and the
+better answer is kept; the bound stays our own.
+
+The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
+left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds
+to 1e-13. Where the feasible set is thin, rounding of the wrench moves the optimum by the root of
+it, 1e-8 to 1e-7 of the cost, as for wrenches that agree but for rounding.
+
+Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
+"""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.errors import SolverError
+from coopenv.wrench import conic
+from coopenv.wrench.grasp import moment
+from coopenv.wrench.structured_kernel import solve_batch
+
+if TYPE_CHECKING:
+    from coopenv.wrench.methods import Solve
+    from coopenv.wrench.settings import Settings
+
+TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
+ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
+WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
+PARTS = 4  # of a batch for each thread: some take longer than others
+
+
+def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
+    """Return the solver for any number of applied wrenches at these grips.
+
+    Parameters
+    ----------
+    grips
+        ``(..., n, 2)`` or ``(..., n, 3)`` [m], of any batch shape.
+    settings
+        Torque weight and whether induced torque is costed.
+    """
+    return partial(_solve, grips, settings)
+
+
+def _solve(
+    grips: FloatArray, settings: "Settings", applied: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Manipulation wrenches, gaps [N], and where the answer is `conic`'s."""
+    batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
+    rows = _rows(applied, batch)
+    places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
+    manipulation, report = iterate(rows, places, settings)
+    gap, applied_cost = report[:, 0].copy(), report[:, 1]
+    fell_back = np.zeros(len(rows), dtype=np.bool_)
+    for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
+        place = places[index if len(places) > 1 else 0]
+        answer = _fall_back(rows[index], place, settings, report[index])
+        if answer is not None:
+            manipulation[index], gap[index] = answer
+            fell_back[index] = True
+    shape = (*batch, *applied.shape[-2:])
+    return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
+
+
+def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
+    """Broadcast to the batch shape, which becomes one contiguous axis."""
+    core = array.shape[-2:]
+    return np.broadcast_to(array, (*batch, *core)).reshape(-1, *core)
+
+
+def iterate(
+    applied: FloatArray, grips: FloatArray, settings: "Settings", tolerance: float = TOLERANCE
+) -> tuple[FloatArray, FloatArray]:
+    """Solve without falling back, on all cores where that pays; the same bits on any number.
+
+    Parameters
+    ----------
+    applied
+        ``(m, n, 3)`` or ``(m, n, 6)`` [N, N·m].
+    grips
+        ``(m, n, d)``, or ``(1, n, d)`` for all [m].
+    settings
+        Torque weight and whether induced torque is costed.
+    tolerance
+        Gap at which to stop, relative to the applied cost.
+
+    Returns
+    -------
+    Manipulation wrenches, and ``(m, 4)``: gap [N], applied cost [N], cost [N], iterations.
+    """
+    # one signature to compile for: C order, writeable
+    applied, grips = (np.require(array, requirements=["C", "W"]) for array in (applied, grips))
+    manipulation, report = np.empty_like(applied), np.empty((len(applied), 4))
+    weight, induced = settings.torque_weight, float(settings.include_induced)
+
+    def solve(part: slice) -> None:
+        place = grips[part] if len(grips) > 1 else grips
+        solve_batch(
+            applied[part], place, weight, induced, tolerance, manipulation[part], report[part]
+        )
+
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    workers = min(cores or 1, applied.shape[0], applied[..., 0].size // WORTH_A_THREAD + 1)
+    if workers < 2:
+        solve(slice(None))
+        return manipulation, report
+    edges = np.linspace(0, len(applied), PARTS * workers + 1).astype(int)
+    with ThreadPoolExecutor(workers) as pool:
+        list(pool.map(solve, map(slice, edges[:-1], edges[1:])))
+    return manipulation, report
+
+
+def _fall_back(
+    applied: FloatArray, grips: FloatArray, settings: "Settings", report: FloatArray
+) -> tuple[FloatArray, float] | None:
+    """Answer of `conic` drawn back into the balls, and its gap; None where it is no better.
+
+    The bound is the interior-point method's own: J* ≥ J − gap.
+    """
+    try:
+        answer = conic.prepare(grips, settings)(applied)[0]
+    except SolverError:
+        return None
+    internal = applied - answer
+    answer = applied - _plausible_part(internal, applied, grips) * internal
+    cost = _cost(answer, grips, settings)
+    gap, _, own_cost, _ = report
+    return (answer, float(cost - own_cost + gap)) if cost < own_cost else None
+
+
+def _cost(wrench: FloatArray, grips: FloatArray, settings: "Settings") -> float:
+    """J(h) of one sample (eq. 17)."""
+    dimension, w = grips.shape[-1], settings.torque_weight
+    force, torque, induced = (
+        np.linalg.norm(part, axis=-1).sum()
+        for part in (wrench[:, :dimension], wrench[:, dimension:], moment(grips, wrench))
+    )
+    return float((1.0 - w) * force + w * torque + settings.include_induced * w * induced)
+
+
+def _plausible_part(internal: FloatArray, applied: FloatArray, grips: FloatArray) -> float:
+    """Largest factor up to 1 that brings an internal wrench into every ball, ‖x_I‖² ≤ xᵀx_I."""
+    dimension = grips.shape[-1]
+    part = 1.0
+    for inner, whole in (
+        (internal[:, :dimension], applied[:, :dimension]),
+        (internal[:, dimension:], applied[:, dimension:]),
+        (moment(grips, internal), moment(grips, applied)),
+    ):
+        square, product = (inner**2).sum(axis=-1), (inner * whole).sum(axis=-1)
+        outside = square > product + 1e-15 * (whole**2).sum(axis=-1).max()
+        limits = np.maximum(product[outside], 0.0) / square[outside]
+        part = min(part, float(limits.min(initial=1.0)))
+    return part

@@ -1,0 +1,93 @@
+"""The compiled entry of `structured`: a batch of samples in, certified answers out."""
+
+import inspect
+from hashlib import sha256
+
+import numpy as np
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np.numpy_support import carray
+
+from coopenv.wrench import (
+    agreement,
+    blocks,
+    central_start,
+    certificate,
+    coupling,
+    faces,
+    interior_point,
+    newton,
+    second_order,
+)
+from coopenv.wrench.blocks import WIDTH, fill, write
+from coopenv.wrench.certificate import saving
+from coopenv.wrench.interior_point import solve
+from coopenv.wrench.second_order import compiled
+
+
+@compiled
+def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipulation, report):
+    force, length, cost = fill(k, wrench, grips, w, induced, spare)
+    steps, gap = 0, 0.0
+    if cost > 0.0:
+        steps, gap = solve(k, system, tolerance)
+    write(k, wrench, force, length, manipulation)
+    unit = cost * force
+    report[0], report[1] = gap * unit, unit
+    report[2], report[3] = (1.0 - saving(k, blocks.ANSWER)) * unit, steps
+
+
+@intrinsic
+def _pointer(typing_context, address):
+    """Take an integer for an address."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(address), generate
+
+
+@compiled
+def _uncounted(address, shape):
+    """View of memory whose rows numba does not count the references to: that took half the time."""
+    pointer = _pointer(address)  # pyright: ignore[reportCallIssue]  # numba adds the context
+    return carray(pointer, shape, np.float64)
+
+
+def _compile_batch():
+    """Compile the entry, cached on disk for as long as none of the files it calls changes.
+
+    numba looks at the file of the entry alone; what a closure holds goes into its key as well.
+    """
+    files = (agreement, blocks, central_start, certificate, coupling, faces, interior_point, newton)
+    text = "".join(map(inspect.getsource, (*files, second_order)))
+    stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
+
+    @njit(error_model="numpy", nogil=True, fastmath={"contract"}, cache=True)
+    def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
+        if stamp < 0:
+            return
+        blocks_size, system_size = 2 * applied.shape[1] * WIDTH, coupling.SYSTEM * 6
+        memory = np.zeros(blocks_size + system_size + 18)
+        at = memory.ctypes.data
+        k = _uncounted(at, (2 * applied.shape[1], WIDTH))
+        system = _uncounted(at + 8 * blocks_size, (coupling.SYSTEM, 6))
+        at += 8 * (blocks_size + system_size)
+        spare = (_uncounted(at, 6), _uncounted(at + 48, 3), _uncounted(at + 72, (3, 3)))
+        for j in range(applied.shape[0]):
+            place = grips[j if grips.shape[0] > 1 else 0]
+            wrench, answer = applied[j], manipulation[j]
+            _solve_sample(k, system, spare, wrench, place, w, induced, tolerance, answer, report[j])
+        memory[0] = 0.0  # what numba may free it after
+
+    return solve_batch
+
+
+solve_batch = _compile_batch()
+"""Solve samples one after the other.
+
+Parameters are ``(m, n, k)`` wrenches, ``(m, n, d)`` grips, or ``(1, n, d)`` for all, the weights,
+and the wanted gap relative to J(h). Written are the manipulation wrenches ``(m, n, k)`` and
+``(m, 4)``: gap, applied cost and cost [N], iterations.
+"""
