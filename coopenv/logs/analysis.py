@@ -95,12 +95,11 @@ def analyse(recording: Recording, settings: Settings | None = None) -> Analysis:
     for name, values in results.items():
         columns[name] = values if used is recording else _scattered(values, good)
     residuals = split.residuals()
-    fell_back = getattr(split, "fell_back", None)  # only solvers that can do so say so
     return Analysis(
         columns=columns,
         worst=Worst(*(float(part.max()) for part in residuals)),
         gap=float(np.max(split.gap)),
-        fallbacks=0 if fell_back is None else int(np.sum(fell_back)),
+        fallbacks=int(split.fell_back.sum()),
         solver=split.solver,
     )
 
