@@ -222,3 +222,9 @@ def test_a_term_of_another_shape_is_refused_by_name(value):
 def test_a_weight_that_is_no_finite_number_is_refused(weight):
     with pytest.raises(InvalidInput, match="weight of reward 'success'"):
         rewards.RewardSum({"success": rewards.Success(weight=weight)})
+
+
+def test_the_tracking_error_costs_by_the_second():
+    far = rewards.TrackingError(weight=3.0)(with_distance(0.1, 0.4))
+    assert far == pytest.approx(-3.0 * 0.4 * 0.05)
+    assert rewards.TrackingError()(with_distance(0.4, 0.0)).tolist() == [[0.0, 0.0]]
