@@ -113,22 +113,22 @@ class Loiterer:
 
 
 @pytest.mark.parametrize("env", ["BeamDoorway", "BeamTracking"])
-@pytest.mark.parametrize("discount", [1.0, 0.99])
-def test_finishing_pays_more_than_loitering_with_the_default_reward(env, discount):
+def test_finishing_pays_more_than_loitering_with_the_default_reward(env):
     config = find_config(f"coopenv/{env}-v0", {})
     paid = []
     for beside, goal in (((0, 0, 0), True), ((0.0, 0.25, 0.0), False), ((0, 0, 0.3), False)):
-        core, policy = Transport(num_worlds=20, config=config), Loiterer(config, beside)
+        core, policy = Transport(num_worlds=5, config=config), Loiterer(config, beside)
         if env == "BeamDoorway":  # the gap is behind it
             obs, _ = core.reset(seed=0, pose=(2.4, 0, 0), goal=(2.4, 0.5, 0.5))
         else:
             obs, _ = core.reset(seed=0)
-        total, running = np.zeros(20), np.ones(20, dtype=bool)
+        total, running = np.zeros((5, 2)), np.ones(5, dtype=bool)
         for step in range(core.horizon):
             assert core.transition is not None
             over = core.transition.terminated | core.transition.truncated
             obs, reward, terminated, *_ = core.step(policy(obs, core.transition), restart=over)
-            total += np.where(running, reward.mean(axis=1), 0) * discount**step
+            worth = np.where(running, reward.mean(axis=1), 0)
+            total += worth[:, None] * np.power([1.0, 0.99], step)  # two discounts
             running &= ~terminated
         assert (~running).all() == goal
         paid.append(total)

@@ -1,6 +1,7 @@
 """The doorway task: its layouts, the way through them, who knows what, and what it refuses."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,10 @@ def started(count=200, **keywords):
     core.reset(seed=0)
     assert core.transition is not None
     return core, core.transition.next_state
+
+
+def made(**fields: Any) -> DoorwayTask:
+    return DoorwayTask(**fields)
 
 
 def refused(said, body=None, scene=HALL, **fields):
@@ -191,9 +196,9 @@ def test_a_gap_that_the_body_does_not_fit_is_refused():
 def test_ranges_the_wrong_way_round_are_refused():
     for name in ("gap", "gap_position", "wall"):
         with pytest.raises(InvalidInput, match=rf"task\.{name} must be a range .*smaller first"):
-            DoorwayTask(**{name: (0.9, 0.6)})
+            made(**{name: (0.9, 0.6)})
         with pytest.raises(InvalidInput, match=rf"task\.{name} must be"):
-            DoorwayTask(**{name: (0.6, 0.7, 0.8)})
+            made(**{name: (0.6, 0.7, 0.8)})
 
 
 def test_layouts_that_do_not_fit_are_refused_by_name():
@@ -213,7 +218,7 @@ def test_layouts_that_do_not_fit_are_refused_by_name():
         ({"gap": (0.0, 0.5)}, r"task\.gap must be positive"),
     ):
         with pytest.raises(InvalidInput, match=said):
-            DoorwayTask(**fields)
+            made(**fields)
 
 
 @pytest.mark.parametrize("guide", ["two", 1.5, None, True, ("a",), -1])

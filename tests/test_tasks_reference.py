@@ -45,7 +45,7 @@ def test_minimum_jerk_rests_at_its_way_points_and_peaks_in_between():
 
 def test_a_smooth_motion_is_met_closely_between_its_rows():
     times = np.linspace(0, 4, 41)
-    table = Reference(times=times, poses=segments(times)[:, :3])
+    table = Reference(times=times.tolist(), poses=segments(times)[:, :3].tolist())
     between = np.linspace(0, 4, 397)
     np.testing.assert_allclose(table.motion(between)[:, :3], segments(between)[:, :3], atol=3e-3)
 

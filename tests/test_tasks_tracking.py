@@ -23,6 +23,11 @@ def started(count=100, **keywords):
     return core, task
 
 
+def last(core):
+    assert core.transition is not None
+    return core.transition
+
+
 def motion(core, task, steps=161):
     """The references ``(step, world, 9)``."""
     times = np.linspace(0, task.total, steps)
@@ -57,22 +62,21 @@ def test_the_goal_is_where_the_reference_is_and_the_distance_the_error():
     core, task = started(task=TrackingTask(reference=LOOP), count=2)
     for step in range(1, 41):
         core.step(np.zeros((2, 2, 3)))
-        assert core.transition is not None
-        state = core.transition.next_state
+        state = last(core).next_state
         wanted = LOOP.motion(np.array([step * core.dt]))[0, :3]
         np.testing.assert_allclose(state.goal[0], wanted)
         np.testing.assert_allclose(state.distance, task.distance(state.pose, state.goal))
-    assert state.goal[0, 0] == pytest.approx(1.0)  # the second row, at 2 s
+    assert last(core).next_state.goal[0, 0] == pytest.approx(1.0)  # the second row, at 2 s
 
 
 def test_the_preview_shows_where_the_reference_will_be_in_each_agents_frame():
     core, task = started(
         count=3, task=TrackingTask(preview=(0.5, 1.0)), observe=("preview", "reference_twist")
     )
+    obs = np.zeros((3, 2, 11))
     for _ in range(20):
         obs, *_ = core.step(np.random.default_rng(0).uniform(-1, 1, (3, 2, 3)))
-    assert core.transition is not None
-    pose, time = core.transition.next_state.pose, core.transition.next_state.time
+    pose, time = last(core).next_state.pose, last(core).next_state.time
     for j, ahead in enumerate(task.preview):
         later = task.goal_at(core.conditions.plan, time + ahead)
         dx, dy, turn = (later - pose).T
@@ -89,7 +93,7 @@ def test_the_preview_shows_where_the_reference_will_be_in_each_agents_frame():
 
 def test_what_an_agent_is_not_told_reads_zero():
     core = Transport(config=config(informed=(1,), observe=("goal", "preview", "reference_twist")))
-    core.reset(seed=0)
+    obs, _ = core.reset(seed=0)
     for _ in range(10):
         obs, *_ = core.step(np.zeros((1, 2, 3)))
     assert not obs[0, 0].any()
@@ -112,14 +116,16 @@ def test_success_asks_for_a_small_mean_error_over_the_whole_episode():
             spin_tolerance=2.0,
         )
         core, _ = started(count=2, task=task)
-        core.reset(seed=0, pose=(0.5, 0, 0))
+        _, info = core.reset(seed=0, pose=(0.5, 0, 0))
         for _ in range(6):
-            *_, info = core.step(np.zeros((2, 2, 3)), restart=core.transition.terminated)
+            *_, info = core.step(np.zeros((2, 2, 3)))
             if info["success"].any():
                 break
         assert info["success"].tolist() == [done] * 2
     core.reset(seed=0, pose=(0.9, 0, 0))
-    core.reset(mask=np.array([True, False]), pose=(0.5, 0, 0))  # counts from its own start
+    _, info = core.reset(
+        mask=np.array([True, False]), pose=(0.5, 0, 0)
+    )  # counts from its own start
     for _ in range(4):
         *_, info = core.step(np.zeros((2, 2, 3)))
     assert info["success"].tolist() == [True, False]
