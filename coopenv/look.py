@@ -9,6 +9,7 @@ from coopenv.canvas import Color, Pen, arrow, bent_arrow
 PAGE: Color = (255, 255, 255)
 FLOOR: Color = (248, 247, 243)
 GRID: Color = (236, 234, 227)
+MARK: Color = (150, 172, 196)
 WALL: Color = (94, 104, 118)
 SHADOW: Color = (214, 214, 212)
 BODY: Color = (198, 206, 216)

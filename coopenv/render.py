@@ -24,6 +24,7 @@ from coopenv.look import (
     FLOOR,
     GRID,
     INTERNAL,
+    MARK,
     PAGE,
     SHADOW,
     SHAFT,
@@ -35,6 +36,7 @@ from coopenv.look import (
     wrench_arrows,
 )
 from coopenv.scene import Scene
+from coopenv.tasks import MarkedTask
 from coopenv.transition import Transition
 
 MODES = ("human", "rgb_array")
@@ -47,7 +49,8 @@ class Renderer:
 
     Dark arrows are what the agents apply, as forces and, round the grip, torques; the bright core
     in them is the internal part. Beneath: time, γ, F_I, T_I and each agent's share of the load.
-    The goal is a ghost of the body, its grips in the agents' colours too.
+    The goal is a ghost of the body, its grips in the agents' colours too. What a `MarkedTask`
+    marks, platforms or a path, is drawn on the floor.
 
     Parameters
     ----------
@@ -134,6 +137,7 @@ class Renderer:
         """Draw this body in this scene from now on; rooms keep their size."""
         self.body, self.scene = body, scene
         self._shown_goal: tuple[Any, ...] | None = None
+        self._marked: tuple[bytes, Picture] | None = None  # a plan, and the background with it
 
     def _lay_out(self, width: int) -> None:
         """Fix what goes where: the room first, the caption beneath it."""
@@ -178,11 +182,12 @@ class Renderer:
     def _draw_scenery(self, transition: Transition) -> None:
         """Start from the background with the goal, which is drawn anew only when it changes."""
         goal, success = transition.next_state.goal[self.world], transition.success[self.world]
-        shown = (*goal.tolist(), bool(success))
+        floor = self._floor(transition)
+        shown = (*goal.tolist(), bool(success), id(floor))
         if shown == self._shown_goal:
             self._canvas.pixels[:] = self._scenery
             return
-        self._canvas.pixels[:] = self._background
+        self._canvas.pixels[:] = floor
         outline, grips = self._placed(self.body.outline, goal), self._placed(self.body.grips, goal)
         color, unit = ARRIVED if success else EDGE, self._unit
         with self._canvas.fine(around([outline, grips], 8 * unit)) as pen:
@@ -192,6 +197,23 @@ class Renderer:
                 pen.disc(grip, 6 * unit, agent_color(agent))
                 pen.disc(grip, 3.4 * unit, FLOOR)
         self._scenery, self._shown_goal = self._canvas.pixels.copy(), shown
+
+    def _floor(self, transition: Transition) -> Picture:
+        """The background with the task's markings, drawn anew only when the plan changes."""
+        task, plan = transition.conditions.task, transition.conditions.plan[self.world]
+        if not isinstance(task, MarkedTask):
+            return self._background
+        key = plan.tobytes()
+        if self._marked is None or self._marked[0] != key:
+            self._canvas.pixels[:] = self._background
+            for line in task.markings(plan):
+                points, unit = self._pixels(line), self._unit
+                with self._canvas.fine(around([points], 3 * unit)) as pen:
+                    if np.array_equal(line[0], line[-1]):
+                        pen.polygon(points, MARK, opacity=0.12)
+                    pen.line(points, 1.4 * unit, MARK)
+            self._marked = key, self._canvas.pixels.copy()
+        return self._marked[1]
 
     def _draw_body(self, transition: Transition) -> None:
         pose, unit = transition.next_state.pose[self.world], self._unit

@@ -10,11 +10,24 @@ from gymnasium.envs.registration import EnvSpec
 from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO
 
 import coopenv
-from coopenv import BLOCKS, Body, Box, Scene, Transport, TransportConfig, TransportTask, rewards
+from coopenv import (
+    BLOCKS,
+    Body,
+    Box,
+    DoorwayTask,
+    Scene,
+    TrackingTask,
+    Transport,
+    TransportConfig,
+    TransportTask,
+    rewards,
+)
 from coopenv.envs.module import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, ranges
 from coopenv.wrench import Settings
+
+HALL = Scene(size=(7.0, 4.0))
 
 
 def test_the_keywords_of_every_view_are_the_fields_of_one_configuration():
@@ -243,3 +256,20 @@ def test_the_specification_is_plain_json():
     made = gymnasium.make(IDS[0], body=Body.beam(length=1.0), scene=CLUTTERED)
     assert made.spec is not None
     assert json.loads(made.spec.to_json())["kwargs"]["body"]["mass"] == 7.7
+
+
+def test_the_defaults_of_an_id_hold_for_its_own_kind_of_task():
+    own = find_config("coopenv/BeamDoorway-v0", {"task": DoorwayTask(guide="one")})
+    assert own.scene == HALL
+    assert own.observe[-1].name == "gap"  # pyright: ignore[reportAttributeAccessIssue]
+    other = find_config("coopenv/BeamDoorway-v0", {"task": TransportTask(), "horizon": 9})
+    assert other == TransportConfig(horizon=9)
+    assert find_config("coopenv/BeamDoorway-v0", {"task": {"guide": "none"}}).task == DoorwayTask(
+        guide="none"
+    )
+
+
+@pytest.mark.parametrize("task", [TransportTask(), DoorwayTask(guide=(1,)), TrackingTask()])
+def test_any_of_our_tasks_comes_back_from_its_fields(task):
+    for name in IDS:
+        assert find_config(name, {"task": dataclasses.asdict(task), "scene": HALL}).task == task

@@ -2,6 +2,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pygame
@@ -9,8 +10,9 @@ import pytest
 from helpers import CLUTTERED, TRIO
 from PIL import Image
 
-from coopenv import Body, Scene, Transport
+from coopenv import Body, Scene, Transport, TransportTask
 from coopenv.canvas import Picture
+from coopenv.envs.module import find_config
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.look import AGENTS, APPLIED, ARRIVED, INTERNAL
 from coopenv.render import Renderer, save_gif, save_png
@@ -359,3 +361,18 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(monkeypatch, tmp_pa
         save_gif(tmp_path / "new.gif", [frame], fps=20)
     assert path.read_text() == "old"
     assert [entry.name for entry in tmp_path.iterdir()] == ["frame.png"]
+
+
+def test_platforms_and_paths_of_a_task_show_on_the_floor_and_change_with_the_plan():
+    for env in ("coopenv/BeamDoorway-v0", "coopenv/BeamTracking-v0"):
+        core = Transport(config=find_config(env, {}))
+        core.reset(seed=0)
+        assert core.transition is not None
+        renderer = Renderer(core.bodies, core.scenes)
+        marked = renderer.picture(core.transition)
+        hidden = replace(core.conditions, task=TransportTask())
+        plain = renderer.picture(replace(core.transition, conditions=hidden))
+        assert (marked != plain).any(axis=2).sum() > 100
+        np.testing.assert_array_equal(renderer.picture(core.transition), marked)
+    other = replace(core.conditions, plan=core.conditions.plan * 0.5)
+    assert (renderer.picture(replace(core.transition, conditions=other)) != marked).any()

@@ -238,3 +238,9 @@ def test_sums_and_terms_hash_as_they_compare():
     assert one == same
     assert hash(one) == hash(same)
     assert len({*rewards.PRESETS.values(), one}) == len(rewards.PRESETS) + 1
+
+
+def test_the_tracking_error_costs_by_the_second():
+    far = rewards.TrackingError(weight=3.0)(with_distance(0.1, 0.4))
+    assert far == pytest.approx(-3.0 * 0.4 * 0.05)
+    assert rewards.TrackingError()(with_distance(0.4, 0.0)).tolist() == [[0.0, 0.0]]

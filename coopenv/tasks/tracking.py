@@ -2,7 +2,8 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import cos, pi, sin
 
 import numpy as np
@@ -20,9 +21,9 @@ from coopenv.tasks.sight import ahead_in_agent_frames, twist_in_agent_frames
 from coopenv.transition import Transition
 
 KINDS = ("minimum_jerk", "rotate", "rotate_translate", "translate")
-_TRIES = 1000
+_TRIES = 200
 _TRIES_A_SEGMENT = 20
-_CHECKED = np.linspace(0, 1, 17)[:, None]  # of a segment, where the body has to be free
+_STRIDE = 0.1  # [m] that no point of the body moves farther between two poses looked at
 _LEAST = 0.25  # of the longest way and the widest turn that a segment may have
 
 
@@ -182,6 +183,7 @@ class TrackingTask(PoseTask):
         """Poses to pass, angles not wrapped, with nothing in the way between them."""
         kinds = _kinds(self.reference, self.segments)
         x, y = (side / 2 - self.clearance for side in scene.size)
+        scene = _grown(scene, self.clearance)
         for _ in range(_TRIES):
             start = free_pose(generator, body, scene, (-x, -y), (x, y))
             points = [] if start is None else [start]
@@ -194,7 +196,7 @@ class TrackingTask(PoseTask):
                 return points
         raise InvalidInput(
             f"task.reference must fit into the room, got {self.reference!r} in a room of "
-            f"{scene.size} m with {len(scene.obstacles)} obstacles, where a thousand random ones "
+            f"{scene.size} m with {len(scene.obstacles)} obstacles, where hundreds of random ones "
             "do not; enlarge scene.size, or take away scene.obstacles"
         )
 
@@ -222,7 +224,8 @@ class TrackingTask(PoseTask):
                 y + way * sin(2 * pi * direction),
                 angle + turn,
             )
-            along = np.array(pose) + _CHECKED * np.subtract(end, pose)
+            looks = 2 + int((way + abs(turn) * body.reach) / _STRIDE)
+            along = np.linspace(pose, end, looks)
             if _blocked(along, body, scene, self.clearance) is None:
                 return end
         return None
@@ -262,6 +265,15 @@ def _first_outside(outlines, half):  # pragma: no cover - compiled
             if abs(corner[0]) > half[0] or abs(corner[1]) > half[1]:
                 return k
     return -1
+
+
+@lru_cache
+def _grown(scene: Scene, by: float) -> Scene:
+    """The scene with obstacles that reach farther by so much [m] on all sides."""
+    grown = (
+        replace(box, size=(box.size[0] + 2 * by, box.size[1] + 2 * by)) for box in scene.obstacles
+    )
+    return replace(scene, obstacles=tuple(grown))
 
 
 def _kinds(reference: object, segments: int) -> tuple[str, ...]:
