@@ -159,7 +159,7 @@ def interval(samples: Sequence[FloatArray]) -> str:
     defined = [sample[~np.isnan(sample)] for sample in samples]
     if not all(len(sample) for sample in defined):
         return "-"
-    middle = float(_contrast(*defined))
+    middle = float(_contrast(defined[0], defined[1] if len(defined) > 1 else None))
     if any(len(sample) < 2 for sample in defined):
         return f"{middle:.3f}"
     found = bootstrap(

@@ -171,7 +171,8 @@ def _where_to(plan, pose, goal):  # pragma: no cover - compiled
     shown, target = plan.copy(), plan.copy()
     decided = np.ones(len(plan), dtype=np.bool_)
     for k in range(len(plan)):
-        decided[k] = not np.isnan(plan[k]).any()
+        decided[k] = not (np.isnan(plan[k, 0]) or np.isnan(plan[k, 1]) or np.isnan(plan[k, 2]))
         if not decided[k]:
-            shown[k], target[k] = pose[k], goal[k]
+            for j in range(3):
+                shown[k, j], target[k, j] = pose[k, j], goal[k, j]
     return shown, target, decided

@@ -1,6 +1,7 @@
 """Every kind of partner does what its name says; figures in docstrings were measured here."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -212,7 +213,7 @@ def test_a_lagging_partner_does_what_was_right_some_steps_ago():
     late = Transport(num_worlds=4, partner=Lagging(partner=Leader(offset=0.3), delay=3))
     late.reset(seed=0)
     config = dataclasses.replace(late.config, partner=late.config.partner.partner)  # pyright: ignore
-    prompt = config.partner.player(config, 4, (1,))  # pyright: ignore
+    prompt: Any = config.partner.player(config, 4, (1,))  # pyright: ignore
     assert late.transition is not None
     prompt.reset(np.arange(4), [np.random.default_rng(0)] * 4, late.transition)
     prompt._traits[:] = late._company.player._traits  # pyright: ignore

@@ -102,7 +102,8 @@ def act(
                 strength * x, strength * y, strength * torque,
                 allocation[k], frame[k], limits[k], driven, parts, held,
             )  # fmt: skip
-            wanted_twist[k] = twist[k]
+            for j in range(3):
+                wanted_twist[k, j] = twist[k, j]
         else:
             x, y, torque = _felt(
                 pose[k], twist[k], twist_before[k], applied[k], grips[k], driven, load, dt
@@ -115,13 +116,14 @@ def act(
             else:
                 part = row[SHARE] / (1 - row[SHARE]) / len(driven)
                 _carry(part * x, part * y, part * torque, grips[k], driven, held)
-                wanted_twist[k] = twist[k]
+                for j in range(3):
+                    wanted_twist[k, j] = twist[k, j]
         _shake(row, draw, held)
         delay = int(row[DELAY])
-        if steps[k] >= delay:
-            out[k] = memory[k, (steps[k] - delay) % slots]
-        else:
-            out[k] = 0.0  # nothing reached the hand yet
+        then, begun = (steps[k] - delay) % slots, steps[k] >= delay
+        for number in range(len(driven)):
+            for j in range(3):  # element by element: copies of slices take longer than all else
+                out[k, number, j] = memory[k, then, number, j] if begun else 0.0
         steps[k] += 1
     return out
 
