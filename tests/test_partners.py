@@ -341,7 +341,7 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
             core.step(generator.uniform(-1, 1, (15, body.num_agents, 3)))
         assert core.transition is not None
         state, load = core.transition.next_state, core.transition.conditions.load
-        wanted = controller.object_wrench(state)
+        wanted = controller.object_wrench(core.transition)
         row, size = gains_row(gains), core.transition.conditions.room.size
         for k in range(15):
             mine = object_wrench(
