@@ -1,7 +1,6 @@
 """Scripted policies: an impedance controller with load allocation, and a random one."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -14,24 +13,11 @@ from coopenv.transition import Transition
 from coopenv.wrench import allocate
 from coopenv.wrench.pseudoinverse import ALLOCATIONS
 
+from .guidance import Gains, gains_row, wanted_twists
+
+__all__ = ["Gains", "ImpedanceController", "RandomPolicy", "approach", "wrapped"]
+
 _TORQUE_FREE = 1e-9  # [kg·m²] virtual inertia that leaves all torque to the forces' levers
-_LOOK_AHEAD = 9  # angles looked at between here and the end of the look-ahead
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Gains:
-    """How briskly the object is led; the defaults use the default beam's strength.
-
-    The object is to move towards its goal with a velocity proportional to the way that is left,
-    up to ``speed`` and ``spin``; an impedance makes it do so.
-    """
-
-    approach: float = 3.0  # [1/s] wanted velocity per unit of way left
-    damping: float = 10.0  # [1/s] wanted acceleration per unit of velocity error
-    speed: float = 2.5  # [m/s] at most
-    spin: float = 3.0  # [rad/s] at most
-    margin: float = 0.05  # [m] kept from the walls
-    look_ahead: float = 0.8  # [rad] of the turn for which room is made in advance
 
 
 class ImpedanceController:
@@ -142,44 +128,12 @@ def approach(
     gains
         How briskly.
     """
-    turn = wrapped(goal[:, 2] - pose[:, 2])
-    ahead = np.clip(turn, -gains.look_ahead, gains.look_ahead)
-    angles = pose[:, 2, None] + ahead[:, None] * np.linspace(0, 1, _LOOK_AHEAD)
-    low, high = _free_box(angles, outline, low + gains.margin, high - gains.margin)
-    position = pose[:, :2]
-    way = np.clip(goal[:, :2], low, high) - position
-    cramped = np.linalg.norm(np.clip(position, low, high) - position, axis=1)  # [m]
-    wanted = np.empty_like(pose)
-    wanted[:, :2] = saturated(gains.approach * way, gains.speed)
-    spin = gains.spin * np.clip(1 - cramped / 0.3, 0.0, 1.0)
-    wanted[:, 2] = np.clip(gains.approach * turn, -spin, spin)
-    return wanted
+    return wanted_twists(gains_row(gains), pose, goal, outline, low, high)
 
 
 def wrapped(angle: FloatArray) -> FloatArray:
     """The same angle in (−π, π]."""
     return np.pi - (np.pi - angle) % (2 * np.pi)
-
-
-def saturated(velocity: FloatArray, limit: float) -> FloatArray:
-    """Velocities ``(world, 2)``, the fast ones slowed down to ``limit``."""
-    speed = np.linalg.norm(velocity, axis=1, keepdims=True)
-    return velocity * np.minimum(1.0, limit / np.maximum(speed, 1e-12))
-
-
-def _free_box(
-    angles: FloatArray, outline: FloatArray, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Corners ``(world, 2)`` of where the centre may be for the object to fit at all of ``angles``.
-
-    ``angles`` is ``(world, k)`` [rad], ``low`` and ``high`` are the corners of what is free.
-    """
-    c, s = np.cos(angles)[..., None], np.sin(angles)[..., None]
-    x, y = outline[:, None, :, 0], outline[:, None, :, 1]
-    turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)  # (world, k, vertex, 2)
-    low, high = low - turned.min(axis=(1, 2)), high - turned.max(axis=(1, 2))
-    middle = (low + high) / 2
-    return np.minimum(low, middle), np.maximum(high, middle)
 
 
 class RandomPolicy:

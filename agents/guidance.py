@@ -1,21 +1,34 @@
-"""The inverse dynamics of `coopenv.agents.controllers.ImpedanceController`, compiled.
+"""Where an object is led and what wrench that takes, compiled for controllers and partners."""
 
-It has to run for a whole batch beside the physics in every step. A test holds the two together.
-"""
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from coopenv.arrays import FloatArray
 
-from .controllers import Gains
-
 LOOKS = 9  # angles looked at between here and the end of the look-ahead
 NUM_GAINS = 6
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """How briskly the object is led; the defaults use the default beam's strength.
+
+    The object is to move towards its goal with a velocity proportional to the way that is left,
+    up to ``speed`` and ``spin``; an impedance makes it do so.
+    """
+
+    approach: float = 3.0  # [1/s] wanted velocity per unit of way left
+    damping: float = 10.0  # [1/s] wanted acceleration per unit of velocity error
+    speed: float = 2.5  # [m/s] at most
+    spin: float = 3.0  # [rad/s] at most
+    margin: float = 0.05  # [m] kept from the walls
+    look_ahead: float = 0.8  # [rad] of the turn for which room is made in advance
+
+
 def gains_row(gains: Gains) -> FloatArray:
-    """``(6,)`` as `object_wrench` takes them."""
+    """``(6,)`` as the kernels take them."""
     return np.array(
         [gains.approach, gains.damping, gains.speed, gains.spin, gains.margin, gains.look_ahead]
     )
@@ -42,10 +55,30 @@ def object_wrench(
     reach
         From the object's origin to its farthest vertex [m].
     """
-    approach, damping, speed, spin = gains[0], gains[1], gains[2], gains[3]
+    damping = gains[1]
+    half_x, half_y = size[0] / 2, size[1] / 2
+    vx, vy, omega = wanted_twist(
+        gains, pose, goal, outline, -half_x, half_x, -half_y, half_y, reach
+    )
+    fx = mass * damping * (vx - twist[0]) + linear_drag * twist[0]
+    fy = mass * damping * (vy - twist[1]) + linear_drag * twist[1]
+    torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return c * fx + s * fy, c * fy - s * fx, torque
+
+
+@njit(cache=True, error_model="numpy")
+def wanted_twist(
+    gains, pose, goal, outline, low_x, high_x, low_y, high_y, reach
+):  # pragma: no cover - compiled
+    """Twist (vx, vy, ω) that leads one object to ``goal`` within a rectangle, world frame.
+
+    Arguments as of `object_wrench`, and the edges of what is free [m].
+    """
+    approach, speed, spin = gains[0], gains[2], gains[3]
     turn = np.pi - (np.pi - (goal[2] - pose[2])) % (2 * np.pi)
     low_x, high_x, low_y, high_y = _free_box(
-        gains[4], gains[5], turn, pose, goal, outline, size, reach
+        gains[4], gains[5], turn, pose, goal, outline, low_x, high_x, low_y, high_y, reach
     )
     free_x = min(max(pose[0], low_x), high_x) - pose[0]
     free_y = min(max(pose[1], low_y), high_y) - pose[1]
@@ -54,23 +87,36 @@ def object_wrench(
     vy = approach * (min(max(goal[1], low_y), high_y) - pose[1])
     slower = min(1.0, speed / max(np.hypot(vx, vy), 1e-12))
     spin *= min(max(1 - cramped / 0.3, 0.0), 1.0)
-    omega = min(max(approach * turn, -spin), spin)
-    fx = mass * damping * (slower * vx - twist[0]) + linear_drag * twist[0]
-    fy = mass * damping * (slower * vy - twist[1]) + linear_drag * twist[1]
-    torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    return c * fx + s * fy, c * fy - s * fx, torque
+    return slower * vx, slower * vy, min(max(approach * turn, -spin), spin)
+
+
+@njit(cache=True, error_model="numpy")
+def wanted_twists(gains, pose, goal, outline, low, high):  # pragma: no cover - compiled
+    """`wanted_twist` of many, ``(world, 3)``; ``low`` and ``high`` are corners ``(world, 2)``."""
+    wanted = np.empty((len(pose), 3))
+    for k in range(len(pose)):
+        reach = 0.0
+        for v in range(outline.shape[1]):
+            reach = max(reach, np.hypot(outline[k, v, 0], outline[k, v, 1]))
+        wanted[k] = wanted_twist(
+            gains, pose[k], goal[k], outline[k], low[k, 0], high[k, 0], low[k, 1], high[k, 1], reach
+        )
+    return wanted
 
 
 @njit(cache=True, error_model="numpy")
 def _free_box(
-    margin, look_ahead, turn, pose, goal, outline, size, reach
+    margin, look_ahead, turn, pose, goal, outline, low_x, high_x, low_y, high_y, reach
 ):  # pragma: no cover - compiled
-    """Where the centre may be so that the object clears the walls during the coming turn."""
-    near_x, near_y = size[0] / 2 - margin - reach, size[1] / 2 - margin - reach
-    far = max(abs(pose[0]), abs(goal[0])) > near_x or max(abs(pose[1]), abs(goal[1])) > near_y
-    if not far:  # then no wall matters, whatever the angle
-        return -near_x, near_x, -near_y, near_y
+    """Where the centre may be so that the object keeps to the rectangle during the coming turn."""
+    low_x, high_x, low_y, high_y = low_x + margin, high_x - margin, low_y + margin, high_y - margin
+    if (
+        min(pose[0], goal[0]) >= low_x + reach
+        and max(pose[0], goal[0]) <= high_x - reach
+        and min(pose[1], goal[1]) >= low_y + reach
+        and max(pose[1], goal[1]) <= high_y - reach
+    ):  # then no wall matters, whatever the angle
+        return low_x + reach, high_x - reach, low_y + reach, high_y - reach
     ahead = min(max(turn, -look_ahead), look_ahead)
     c, s = np.cos(pose[2]), np.sin(pose[2])
     c_step, s_step = np.cos(ahead / (LOOKS - 1)), np.sin(ahead / (LOOKS - 1))
@@ -83,8 +129,7 @@ def _free_box(
                 left, right, down, up = x, x, y, y
             left, right, down, up = min(left, x), max(right, x), min(down, y), max(up, y)
         c, s = c * c_step - s * s_step, s * c_step + c * s_step
-    low_x, high_x = -size[0] / 2 + margin - left, size[0] / 2 - margin - right
-    low_y, high_y = -size[1] / 2 + margin - down, size[1] / 2 - margin - up
+    low_x, high_x, low_y, high_y = low_x - left, high_x - right, low_y - down, high_y - up
     middle_x, middle_y = (low_x + high_x) / 2, (low_y + high_y) / 2
     return (
         min(low_x, middle_x), max(high_x, middle_x), min(low_y, middle_y), max(high_y, middle_y)
