@@ -36,9 +36,10 @@ def rows() -> list[list[str]]:
 
 def features(block: Block) -> str:
     """How many an agent of a team of n sees."""
-    return (
-        f"{block.size.features} (n − 1)" if isinstance(block.size, EachOther) else f"{block.size}"
-    )
+    size = block.size
+    if not isinstance(size, EachOther):
+        return f"{size}"
+    return f"{size.own} + " * bool(size.own) + f"{size.features} (n − 1)"
 
 
 def bounds(block: Block) -> str:

@@ -12,13 +12,14 @@ from coopenv.transition import Transition
 
 @dataclass(frozen=True, slots=True)
 class EachOther:
-    """Size of a block that has as many features about each other agent."""
+    """Size of a block that has as many features about each other agent, after its ``own``."""
 
     features: int
+    own: int = 0
 
     def __call__(self, num_agents: int) -> int:
         """Features in a team of ``num_agents``."""
-        return self.features * (num_agents - 1)
+        return self.own + self.features * (num_agents - 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +61,8 @@ class Block:
         Of a block about each other agent, the features about one of them are enough.
         """
         given, width = np.asarray(values, dtype=np.float64), self.width(num_agents)
-        each = self.size.features if isinstance(self.size, EachOther) else width
+        tiled = isinstance(self.size, EachOther) and not self.size.own
+        each = self.size.features if tiled else width  # pyright: ignore[reportAttributeAccessIssue, reportFunctionMemberAccess]
         if given.ndim == 0:
             return np.full(width, given)
         if given.shape == (each,):

@@ -11,7 +11,7 @@ from coopenv.arrays import FloatArray, IntArray
 from coopenv.block import Block, EachOther
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.frames import VIEW_PARTS, view_slices
-from coopenv.privileged import privileged, privileged_size
+from coopenv.privileged import privileged
 from coopenv.ranges import RangeReading, ranges
 from coopenv.sensor import Instruments, Sensor
 from coopenv.transition import Transition
@@ -99,12 +99,12 @@ BLOCKS: dict[str, Block] = {
         ),
         Block(
             name="body",
-            size=privileged_size,
+            size=EachOther(4, own=9),
             describe="mass, inertia, linear drag, angular drag, friction, length; then of each "
             "agent, its own first, x and y of the grip from the centre of mass (its own: x), force "
             "limit, torque limit",
             read=privileged,
-            unit="kg, kg·m², N·s/m, N·m·s, 1, m; m, m, N, N·m",
+            unit="kg, kg·m², N·s/m, N·m·s, 1, m, m, N, N·m, then m, m, N, N·m",
             frame="agent",
         ),
         Block(

@@ -9,7 +9,7 @@ from coopenv.transition import Transition
 def privileged(transition: Transition) -> FloatArray:
     """Parameters of the body, then grip and limits of each agent, its own first.
 
-    ``(world, agent, privileged_size)``; `coopenv.conditions.Conditions.parameters` in order, but
+    ``(world, agent, 9 + 4 (n − 1))``; `coopenv.conditions.Conditions.parameters` in order, but
     the grips seen from the centre of mass along the agent's own axes. There its own has no y.
     """
     named, frame = transition.conditions.parameters(), transition.team.frame
@@ -23,8 +23,3 @@ def privileged(transition: Transition) -> FloatArray:
     every = body[:, None].repeat(num_agents, axis=1)
     flat = team.reshape(num_worlds, num_agents, -1)
     return np.concatenate([every, flat[..., :1], flat[..., 2:]], axis=-1)
-
-
-def privileged_size(num_agents: int) -> int:
-    """Features of the block in a team of ``num_agents``."""
-    return 5 + 4 * num_agents

@@ -18,7 +18,9 @@ def test_every_block_says_what_it_is_in_which_unit_and_fits_its_numbers():
     for name, block in BLOCKS.items():
         assert block.describe, name
         assert block.unit, name
-        size = block.size.features if isinstance(block.size, EachOther) else block.size
+        size = block.size
+        if isinstance(size, EachOther):
+            size = size.own + size.features
         assert block.unit.count(",") + 1 in (1, size), name
 
 
