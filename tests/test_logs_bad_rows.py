@@ -172,3 +172,46 @@ def test_arrays_must_fit_each_other_and_hold_numbers(tmp_path):
     columns["f2x"] = np.array(list("abcde"))
     with pytest.raises(InvalidInput, match="column 'f2x' must hold numbers, got"):
         read(cases.save(columns, tmp_path / "a.parquet"), BEAM)
+
+
+@pytest.mark.parametrize("block", [80, 1 << 20])
+def test_a_file_of_ragged_rows_alone_is_named_line_by_line(block, tmp_path, monkeypatch):
+    monkeypatch.setattr("coopenv.logs.csv_source.BLOCK", block)
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([HEADER, *(f"{row}," for row in rows(9))]))
+    assert "line 2 must have 8 fields like the header, got 9 fields" in complaint(path)
+    passed_over = read(path, BEAM, bad_rows="skip")
+    assert len(passed_over) == 9
+    assert not passed_over.good.any()
+
+
+def test_line_ends_of_old_macs_are_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_bytes("\r".join([HEADER, *rows(3)]).encode())
+    assert "a.csv: lines must end with a line feed" in complaint(path)
+
+
+def test_a_trial_that_begins_with_a_bad_time_has_one_bad_row(tmp_path):
+    path = tmp_path / "a.csv"
+    second = ["x,1,2,3,4,5,6,b", "0.01,1,2,3,4,5,6,b", "0.02,1,2,3,4,5,6,b", "0,1,2,3,4,5,6,b"]
+    path.write_text("\n".join([HEADER, *rows(9), *second]))
+    layout = Layout(grips=cases.BEAM, trial_columns=("note",))
+    recording = read(path, layout, bad_rows="skip")
+    assert np.flatnonzero(~recording.good).tolist() == [9, 12]
+    assert recording.trial.tolist() == [0] * 9 + [1] * 4
+
+
+def test_a_trial_column_that_is_not_there_is_named(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([HEADER, *rows(3)]))
+    said = complaint(path, Layout(grips=cases.BEAM, trial_columns=("nota",)))
+    assert "got 'nota'; has: note" in said
+    assert Layout.load(trial_columns="note").trial_columns == ("note",)
+
+
+def test_a_part_of_a_twist_says_how_to_leave_out_the_rest(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([HEADER + ",vy,omega", *(f"{row},0,0" for row in rows(3))]))
+    assert "--map vy= omega=" in complaint(path)
+    left_out = Layout(grips=cases.BEAM, columns={"vy": "", "omega": ""})
+    assert read(path, left_out).twist is None

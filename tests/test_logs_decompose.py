@@ -179,6 +179,31 @@ def test_the_input_is_never_written_over(tmp_path):
         decompose_file(path, tmp_path / "b" / ".." / "a.csv", layout=BEAM)
 
 
+def test_a_folder_of_the_name_leaves_neither_table_nor_picture(tmp_path):
+    path = cases.save(cases.planar(), tmp_path / "a.csv")
+    for name in ("b.csv", "c.png"):
+        (tmp_path / name).mkdir()
+        with pytest.raises(InvalidInput, match="out must be a file"):
+            decompose_file(path, (tmp_path / name).with_suffix(".csv"), layout=BEAM)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.csv", "b.csv", "c.png"]
+
+
+@pytest.mark.parametrize("missing", [2, 33])
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_integers_of_which_some_are_missing_are_carried(suffix, missing, tmp_path, monkeypatch):
+    pandas = pytest.importorskip("pandas")
+    monkeypatch.setattr("coopenv.logs.parquet_source.CHUNK_ROWS", 10)
+    table = pandas.DataFrame(cases.planar(40)).assign(count=pandas.array(range(40), dtype="Int64"))
+    table.loc[missing, "count"] = pandas.NA
+    table.to_parquet(tmp_path / "a.parquet")
+    out = tmp_path / f"out{suffix}"
+    decompose_file(tmp_path / "a.parquet", out, layout=BEAM, picture=False)
+    counted = np.array(list(map(float, cases.load(out)["count"])))
+    expected = np.arange(40.0)
+    expected[missing] = np.nan
+    np.testing.assert_array_equal(counted, expected)
+
+
 @pytest.mark.parametrize("chunk", [1, 7, 1000])
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_the_size_of_the_chunks_changes_nothing(suffix, chunk, tmp_path, monkeypatch):

@@ -129,7 +129,9 @@ def plan(path: str, columns: Sequence[str], layout: Layout, grips: bool = False)
             "out --grips or the columns (--map r1x=)"
         )
     twist = TWIST[dimension] if any(name in found for name in TWIST[dimension]) else ()
-    required += [need(name, "a twist is whole or left out (--map vx=)") for name in twist]
+    left_out = " ".join(f"{name}=" for name in twist if name in found)
+    remedy = f"a twist is whole or left out (--map {left_out})"
+    required += [need(name, remedy) for name in twist]
     required += [need(name) for name in _poses(made, layout, bool(twist))]
     optional = [*POSITION[dimension], *ORIENTATION[dimension]]
     read: list[str] = [*dict.fromkeys([*(["time"] if "time" in found else []), *required])]

@@ -35,6 +35,11 @@ class CsvSource:
             header = file.readline()
             self._body = file.tell()
         text = self._decode(header.removeprefix(b"\xef\xbb\xbf"), "line 1")
+        if "\r" in text:
+            raise InvalidInput(
+                f"{path}: lines must end with a line feed, got carriage returns alone; save the "
+                "file with the line ends of Unix or Windows"
+            )
         self._separator = max(SEPARATORS, key=text.count)
         if decimal == self._separator:
             raise InvalidInput(
@@ -104,6 +109,9 @@ class CsvSource:
         import pyarrow as pa
         from pyarrow import csv as arrow
 
+        if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
+            kinds = dict.fromkeys(numbers, pa.float64()) | dict.fromkeys(carried, pa.string())
+            return pa.schema(list(kinds.items())).empty_table()
         for kind in (pa.float64(), pa.string()):
             types = {**dict.fromkeys(numbers, kind), **dict.fromkeys(carried, pa.string())}
             try:

@@ -99,7 +99,9 @@ class Layout:
                 )
         if self.grips is not None:
             object.__setattr__(self, "grips", _checked_grips(self.grips))
-        object.__setattr__(self, "trial_columns", tuple(self.trial_columns))
+        named = self.trial_columns  # one name is no sequence of letters
+        named = (named,) if isinstance(named, str) else tuple(named)
+        object.__setattr__(self, "trial_columns", named)
 
     def factor(self, quantity: str) -> float:
         """What a number of that quantity is multiplied with to be in SI units."""

@@ -131,7 +131,7 @@ class Reader:
 
     def __iter__(self) -> Iterator[Recording]:
         plan = self.plan
-        trials = Trials([name for name in self.layout.trial_columns if name in plan.carried])
+        trials = Trials(self._trial_columns())
         time_column = plan.source.get("time")
         rows = 0
         for chunk in self._source.chunks(list(plan.source.values()), plan.carried):
@@ -145,6 +145,17 @@ class Reader:
             yield self._converted(chunk, trial, good)
         if not rows:
             raise InvalidInput(f"{self.path} must have rows of data, got none; record some")
+
+    def _trial_columns(self) -> list[str]:
+        """Those there are; the default ones need not be."""
+        said, known = self.layout.trial_columns, self.plan.carried
+        for name in said:
+            if name not in known and said != Layout().trial_columns:
+                raise InvalidInput(
+                    f"{self.path}: trial_columns must be columns that are carried, got {name!r}; "
+                    f"has: {', '.join(known) or 'none'}"
+                )
+        return [name for name in said if name in known]
 
     def _constant_grips(self) -> FloatArray | None:
         """Grips that were said once [m]."""

@@ -113,4 +113,9 @@ def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
     suffix_of(table)
     if table.exists() and path.exists() and table.samefile(path):
         raise InvalidInput(f"out must not be the input, got {str(table)!r}; choose another name")
+    for each in (table, table.with_suffix(".png")):
+        if each.is_dir():
+            raise InvalidInput(
+                f"out must be a file, got a folder {str(each)!r}; choose another name"
+            )
     return path, table

@@ -141,10 +141,13 @@ class NpzSink:
     def write(self, columns: Mapping[str, Column]) -> None:
         """Append rows."""
         for name, values in columns.items():
-            if values.dtype != np.float64:
+            known = name in self._files
+            if not known and (name in self._others or values.dtype != np.float64):
                 self._others.setdefault(name, []).append(values)
                 continue
-            if name not in self._files:
+            # integers are read as float64 wherever some are missing, which may be the first rows
+            values = values.astype(np.float64, copy=False)
+            if not known:
                 self._files[name] = tempfile.TemporaryFile(dir=self._path.parent)  # noqa: SIM115
             self._files[name].write(np.ascontiguousarray(values).data)
         self._rows += len(next(iter(columns.values())))

@@ -44,7 +44,9 @@ class Trials:
             self._last = {name: carried[name][rows[-1]] for name in self._names}
         trial = self._number + np.cumsum(starts)
         known = np.concatenate([[self._time], time])
-        newest = np.where(np.isfinite(known), np.arange(len(known)), 0)
+        usable = np.isfinite(known)
+        usable[1:] |= starts  # time of the trial before is none of the next one's
+        newest = np.where(usable, np.arange(len(known)), 0)
         before = known[np.maximum.accumulate(newest)]
         self._number, self._time = int(trial[-1]), float(before[-1])
         return trial, starts, before[:-1]
