@@ -1,7 +1,6 @@
 """The core: many worlds reset and stepped together. Every environment is a view of it."""
 
 from collections.abc import Sequence
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -420,13 +419,14 @@ class Transport:
         scenes: Sequence[Scene],
     ) -> None:
         """Raise where a given pose is in a wall, an obstacle or another world's room."""
-        for (pose, name), k in product(given, worlds.tolist()):
-            if pose is not None and not scenes[k].is_free(*pose[k, :2].tolist()):
-                raise InvalidInput(
-                    f"{name} must put the centre of mass inside the room of {scenes[k].size} m and "
-                    f"off its obstacles, got {pose[k].tolist()} in world {k}; the origin is the "
-                    "room's centre"
-                )
+        for pose, name in given:
+            for k in () if pose is None else worlds.tolist():
+                if not scenes[k].is_free(*pose[k, :2].tolist()):
+                    raise InvalidInput(
+                        f"{name} must put the centre of mass inside the room of {scenes[k].size} m "
+                        f"and off its obstacles, got {pose[k].tolist()} in world {k}; the origin "
+                        "is the room's centre"
+                    )
 
     def _check_running(self, restart: BoolArray | None) -> None:
         """Raise `ResetNeeded` where a world that does not restart has no episode under way."""
