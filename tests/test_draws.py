@@ -1,6 +1,7 @@
 """Episodes that bring obstacles, moving goals and secrets of their own."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,10 +83,11 @@ def test_a_given_pose_must_be_off_the_obstacles_of_its_own_episode(name):
     core = Transport(task=Cluttered())
     core.reset(seed=0)
     last, place = core.scenes[0], (*core.scenes[0].obstacles[0].center, 0.0)
-    core.reset(seed=1, **{name: place})  # the obstacle is elsewhere now
+    given: dict[str, Any] = {name: place}
+    core.reset(seed=1, **given)  # the obstacle is elsewhere now
     assert core.scenes[0].is_free(*place[:2])
     with pytest.raises(InvalidInput, match=rf"{name} must .* off its obstacles"):
-        core.reset(seed=0, **{name: place})
+        core.reset(seed=0, **given)
     assert core.scenes[0] != last  # the episode under way goes on in its own room
 
 
