@@ -11,15 +11,19 @@ import numpy as np
 
 from coopenv.block import Block, EachOther
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
+from coopenv.tasks import TASKS, SensedTask
 
 PAGE = Path(__file__).parents[1] / "docs" / "observations.md"
 MARK = "<!-- table -->\n"
 SETS = {"default": DEFAULT_BLOCKS, **SENSING}
+OWN = [task for task in (kind() for kind in TASKS) if isinstance(task, SensedTask)]
 COLUMNS = ("block", "features", "unit", "frame", "range", "what it is", "part of")
 
 
 def rows() -> list[list[str]]:
-    """One row a block."""
+    """One row a block, those that tasks bring last."""
+    own = {block.name: task for task in OWN for block in task.blocks}
+    blocks = {**BLOCKS, **{block.name: block for task in OWN for block in task.blocks}}
     return [
         [
             f"`{name}`",
@@ -28,9 +32,11 @@ def rows() -> list[list[str]]:
             block.frame or "—",
             bounds(block),
             block.describe,
-            ", ".join(word for word, blocks in SETS.items() if name in blocks) or "—",
+            f"`{type(own[name]).__name__}`"
+            if name in own
+            else ", ".join(word for word, names in SETS.items() if name in names) or "—",
         ]
-        for name, block in BLOCKS.items()
+        for name, block in blocks.items()
     ]
 
 

@@ -1,7 +1,7 @@
 """The one description of an environment, and the one place that reads keywords."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
 from itertools import product
 from typing import Any, Self
@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array, positive, whole
+from coopenv.block import Block
 from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, find_blocks
@@ -16,6 +17,7 @@ from coopenv.partner import Partner
 from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
 from coopenv.scene import Box, Scene
+from coopenv.sensor import Sensor
 from coopenv.tasks import TASKS, SensedTask, Task, TransportTask
 from coopenv.variations import Variations
 from coopenv.wrench import Settings
@@ -42,7 +44,8 @@ class TransportConfig:
         or in a `coopenv.Sensor` that adds noise, a bias and a delay.
     sensing
         A word for ``observe``, which it sets: ``"own"``, what an agent feels and sees by itself,
-        or ``"shared"``, that of its partners and the decomposition too. Reads ``None`` afterwards.
+        or ``"shared"``, that of its partners and the decomposition too; either with the blocks that
+        the task brings. Reads ``None`` afterwards.
     action
         ``"wrench"`` (fx, fy, tz) or ``"force"`` (fx, fy), each in [−1, 1], agent frame.
     force_limit, torque_limit
@@ -98,8 +101,8 @@ class TransportConfig:
         _set(self, "body", _one_or_more(self.body, "body", Body))
         _set(self, "scene", _one_or_more(self.scene, "scene", Scene))
         _set(self, "reward", find_reward(self.reward))
-        seen = _with_blocks_of(self.task, _sensed(self.sensing, self.observe))
-        _set(self, "observe", find_blocks(seen))
+        seen = _sensed(self.sensing, self.observe, self.task)
+        _set(self, "observe", find_blocks(_with_blocks_of(self.task, seen)))
         _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
@@ -221,15 +224,17 @@ class TransportConfig:
                     ) from error
 
 
-def _sensed(sensing: str | None, observe: Sequence[Any]) -> Sequence[Any]:
-    """The blocks that ``sensing`` stands for, if it is given, else ``observe``."""
+def _sensed(sensing: str | None, observe: Sequence[Any], task: Task) -> Sequence[Any]:
+    """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``."""
     if sensing is None:
         return observe
     if not isinstance(sensing, str) or sensing not in SENSING:
         raise UnknownName("sensing", sensing, SENSING)
-    if observe not in (DEFAULT_BLOCKS, *SENSING.values()):  # else nobody chose it by hand
+    own = tuple(task.blocks) if isinstance(task, SensedTask) else ()
+    sets = (DEFAULT_BLOCKS, *SENSING.values())
+    if observe not in (*sets, *((*names, *own) for names in sets)):  # else nobody chose it by hand
         _check_one_sight({"sensing": sensing, "observe": observe})
-    return SENSING[sensing]
+    return (*SENSING[sensing], *own)
 
 
 def _check_one_sight(given: Mapping[str, Any]) -> None:
@@ -261,13 +266,24 @@ def _task(value: Any, kind: type) -> Any:
 
 
 def _with_blocks_of(task: Task, observe: Any) -> Any:
-    """``observe`` with the names of the task's own blocks replaced by these."""
+    """``observe`` with the names of the task's own blocks, in sensors too, replaced by these."""
     if not isinstance(task, SensedTask) or isinstance(observe, str):
         return observe
-    own = {block.name: block for block in task.blocks}
     if not isinstance(observe, Sequence):
         return observe
-    return tuple(own.get(block, block) if isinstance(block, str) else block for block in observe)
+    own = {block.name: block for block in task.blocks}
+    return tuple(_of_task(entry, own) for entry in observe)
+
+
+def _of_task(entry: Any, own: Mapping[str, Block]) -> Any:
+    """The task's block of that name, or in that sensor; anything else as it is."""
+    if isinstance(entry, str):
+        return own.get(entry, entry)
+    if isinstance(entry, Sensor):
+        return replace(entry, block=_of_task(entry.block, own))
+    if isinstance(entry, Mapping) and isinstance(entry.get("block"), str):  # as JSON has a sensor
+        return {**entry, "block": _of_task(entry["block"], own)}
+    return entry
 
 
 def _partner(value: Any) -> Any:

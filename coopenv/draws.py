@@ -12,7 +12,7 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.scene import WALL_THICKNESS, Scene
 from coopenv.sensor import Sensor
-from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask
+from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask, Pose
 from coopenv.variations import Variations
 from coopenv.wrench import Decomposer
 
@@ -31,6 +31,8 @@ class Draws:
 
     Attributes
     ----------
+    scenes
+        One a world, without what episodes bring.
     changing
         Whether an episode's conditions may differ from those of the one before it.
     reach
@@ -39,7 +41,7 @@ class Draws:
 
     def __init__(self, config: TransportConfig, num_worlds: int):
         self._task = config.task
-        self._bodies, self._scenes = config.bodies(num_worlds), config.scenes(num_worlds)
+        self._bodies, self.scenes = config.bodies(num_worlds), config.scenes(num_worlds)
         self._limits = np.repeat(config.limits()[None], num_worlds, axis=0)
         self._settings = config.decomposition
         self._own_boxes = self._task.max_obstacles if isinstance(self._task, FurnishedTask) else 0
@@ -55,7 +57,7 @@ class Draws:
 
     def first(self) -> Conditions:
         """What holds before the first episode is drawn."""
-        bodies, scenes = self._bodies, self._scenes
+        bodies, scenes = self._bodies, self.scenes
         capacity = self._own_boxes + max(len(scene.obstacles) for scene in scenes)
         return Conditions(
             bodies=bodies,
@@ -80,11 +82,12 @@ class Draws:
             self._episode(generators[k], k, body)
             for k, (body, _) in zip(chosen, carried, strict=True)
         ]
-        start = np.array([episode.start for episode in episodes]).reshape(-1, 3)
-        goal = np.array([episode.goal for episode in episodes]).reshape(-1, 3)
-        if chosen and (self.changing or any(episode.plan for episode in episodes)):
-            plan = np.array([episode.plan for episode in episodes], dtype=np.float64)
-            if plan.shape[1] != conditions.plan.shape[1]:
+        start = _poses([episode.start for episode in episodes], "start")
+        goal = _poses([episode.goal for episode in episodes], "goal")
+        planned = conditions.plan.shape[1] or any(episode.plan for episode in episodes)
+        if chosen and (self.changing or planned):
+            plan = _plans(episodes, conditions)
+            if plan.shape[1] != conditions.plan.shape[1]:  # the first ones
                 conditions = replace(
                     conditions, plan=np.zeros((len(conditions.bodies), plan.shape[1]))
                 )
@@ -111,12 +114,12 @@ class Draws:
 
     def _episode(self, generator: np.random.Generator | None, k: int, body: Body) -> Episode:
         assert generator is not None
-        drawn = self._task.sample(generator, body, self._scenes[k])
+        drawn = self._task.sample(generator, body, self.scenes[k])
         return drawn if isinstance(drawn, Episode) else Episode(start=drawn[0], goal=drawn[1])
 
     def _furnished(self, k: int, episode: Episode) -> Scene:
         """The scene of world ``k`` with the obstacles that an episode brings."""
-        scene, boxes = self._scenes[k], episode.obstacles
+        scene, boxes = self.scenes[k], episode.obstacles
         if not boxes:
             return scene
         if len(boxes) > self._own_boxes:
@@ -164,6 +167,28 @@ class Draws:
         if isinstance(self._task, GuidedTask):
             told &= self._task.told(config.num_agents)
         return told
+
+
+def _poses(drawn: Sequence[Pose], name: str) -> FloatArray:
+    """What a task's ``sample`` gave for ``name``, ``(world, 3)``."""
+    if any(np.shape(pose) != (3,) for pose in drawn) or not np.isfinite(drawn).all():
+        wrong = [pose for pose in drawn if np.shape(pose) != (3,) or not np.isfinite(pose).all()]
+        raise InvalidInput(
+            f"{name} of an episode must be three finite numbers x, y [m], θ [rad], got {wrong[0]}; "
+            "change the task's sample"
+        )
+    return np.array(drawn, dtype=np.float64).reshape(-1, 3)
+
+
+def _plans(episodes: Sequence[Episode], before: Conditions) -> FloatArray:
+    """The episodes' plans ``(world, number)``, as long as those under way."""
+    lengths = {len(episode.plan) for episode in episodes} | ({before.plan.shape[1]} - {0})
+    if len(lengths) > 1:
+        raise InvalidInput(
+            f"plan must have as many numbers in every episode of a task, got {sorted(lengths)}; "
+            "fill it up with zeros"
+        )
+    return np.array([episode.plan for episode in episodes], dtype=np.float64)
 
 
 def _key(generator: np.random.Generator | None) -> int:

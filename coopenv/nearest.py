@@ -38,7 +38,9 @@ def nearest_obstacle(transition: Transition) -> FloatArray:
 NEAREST = Block(
     name="nearest",
     size=3,
-    describe="nearest point of the nearest obstacle, from the centre of mass, agent frame, and "
-    f"its distance from the outline [m]; 0, 0, {RANGE:g} beyond {RANGE:g} m",
+    describe="from the centre of mass to the nearest point of the nearest obstacle, walls left "
+    f"out, and that point's distance from the outline; 0, 0, {RANGE:g} beyond {RANGE:g} m",
     read=nearest_obstacle,
+    unit="m",
+    frame="agent",
 )

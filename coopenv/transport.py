@@ -159,7 +159,8 @@ class Transport:
             ``(world,)`` bool.
         pose, goal
             ``(3,)`` or ``(world, 3)``: start or goal instead of the drawn ones; world frame. A
-            start that reaches into a wall or an obstacle is pushed out of it.
+            start that reaches into a wall or an obstacle is pushed out of it. Obstacles are those
+            of the new episode.
 
         Returns
         -------
@@ -178,12 +179,12 @@ class Transport:
                 f"goal must be left to a task whose goal moves, got {goal[0].tolist()}; give the "
                 "task another reference"
             )
-        self._check_free(worlds, pose, "pose")
-        self._check_free(worlds, goal, "goal")
+        given = (pose, "pose"), (goal, "goal")
+        self._check_free(worlds, given, self._draws.scenes)
         self._seed(seed, worlds)
-        self.conditions, drawn_pose, drawn_goal = self._draws.next(
-            self.conditions, self.generators, worlds
-        )
+        drawn, drawn_pose, drawn_goal = self._draws.next(self.conditions, self.generators, worlds)
+        self._check_free(worlds, given, drawn.scenes)
+        self.conditions = drawn
         start = self._start(
             worlds,
             drawn_pose if pose is None else pose[worlds],
@@ -411,17 +412,21 @@ class Transport:
             )
         return np.broadcast_to(given, (self.num_worlds, 3)).copy()
 
-    def _check_free(self, worlds: IntArray, pose: FloatArray | None, name: str) -> None:
+    def _check_free(
+        self,
+        worlds: IntArray,
+        given: Sequence[tuple[FloatArray | None, str]],
+        scenes: Sequence[Scene],
+    ) -> None:
         """Raise where a given pose is in a wall, an obstacle or another world's room."""
-        if pose is None:
-            return
-        for k in worlds.tolist():
-            if not self.scenes[k].is_free(*pose[k, :2].tolist()):
-                raise InvalidInput(
-                    f"{name} must put the centre of mass inside the room of {self.scenes[k].size} "
-                    f"m and off its obstacles, got {pose[k].tolist()} in world {k}; the origin is "
-                    "the room's centre"
-                )
+        for pose, name in given:
+            for k in () if pose is None else worlds.tolist():
+                if not scenes[k].is_free(*pose[k, :2].tolist()):
+                    raise InvalidInput(
+                        f"{name} must put the centre of mass inside the room of {scenes[k].size} m "
+                        f"and off its obstacles, got {pose[k].tolist()} in world {k}; the origin "
+                        "is the room's centre"
+                    )
 
     def _check_running(self, restart: BoolArray | None) -> None:
         """Raise `ResetNeeded` where a world that does not restart has no episode under way."""

@@ -4,7 +4,6 @@ from typing import Any
 
 from coopenv.body import Body
 from coopenv.envs.module import views
-from coopenv.nearest import NEAREST
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.scene import Scene
 from coopenv.tasks.walker_avoid import WalkerAvoidTask
@@ -15,7 +14,7 @@ DEFAULTS: dict[str, Any] = {
     "task": WalkerAvoidTask(),
     "body": Body.walker(),
     "scene": Scene(size=(8.0, 6.0)),
-    "observe": (*DEFAULT_BLOCKS, NEAREST),
+    "observe": (*DEFAULT_BLOCKS, "nearest"),
     "force_limit": 30.0,  # [N]
     "torque_limit": 80.0,  # [N·m] 0.8 rad/s against the walker's drag
     "horizon": 400,  # 20 s

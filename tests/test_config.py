@@ -20,6 +20,7 @@ from coopenv import (
     Transport,
     TransportConfig,
     TransportTask,
+    WalkerAvoidTask,
     rewards,
 )
 from coopenv.envs.module import find_config
@@ -178,6 +179,22 @@ def test_what_is_given_overrides_the_senses_that_an_id_starts_from():
     assert TransportConfig.parse({"sensing": "own"}, defaults).observe == SENSING["own"]
     assert TransportConfig.parse({}, {"sensing": "own"}).observe == SENSING["own"]
     assert TransportConfig.parse({"observe": ("goal",)}, {"sensing": "own"}).observe == ("goal",)
+
+
+@pytest.mark.parametrize("word", SENSING)
+@pytest.mark.parametrize("task", [DoorwayTask(), TrackingTask(), WalkerAvoidTask()])
+def test_the_words_for_senses_keep_the_blocks_that_a_task_brings(task, word):
+    room = Scene(size=(8.0, 6.0))
+    own = TransportConfig(task=task, scene=room, sensing=word)
+    assert own.observe == (*SENSING[word], *task.blocks)
+    assert dataclasses.replace(own, sensing="own").observe == (*SENSING["own"], *task.blocks)
+
+
+def test_a_sensor_may_name_a_block_that_the_task_brings():
+    (gap,) = DoorwayTask().blocks
+    for entry in (coopenv.Sensor("gap", noise=0.1), {"block": "gap", "noise": 0.1}):
+        (seen,) = TransportConfig(task=DoorwayTask(), scene=HALL, observe=(entry,)).observe
+        assert seen == coopenv.Sensor(gap, noise=0.1)
 
 
 def test_senses_can_be_replaced():

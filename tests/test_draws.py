@@ -1,6 +1,7 @@
 """Episodes that bring obstacles, moving goals and secrets of their own."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +45,50 @@ class Secret(TransportTask):
         told = np.ones((num_agents, 2), dtype=bool)
         told[1:, 1] = False
         return told
+
+
+class Unsteady(TransportTask):
+    """Plans of changing length."""
+
+    def sample(self, generator, body, scene):
+        plan = (1.0,) * int(generator.integers(1, 4))
+        return Episode(start=(0.0, 0.0, 0.0), goal=(1.0, 0.0, 0.0), plan=plan)
+
+
+def test_plans_of_changing_length_are_refused():
+    core = Transport(task=Unsteady())
+    core.reset(seed=0)
+    length = core.conditions.plan.shape[1]
+    seeds = ((seed, np.random.default_rng(seed)) for seed in range(99))
+    other = next(seed for seed, generator in seeds if generator.integers(1, 4) != length)
+    with pytest.raises(InvalidInput, match="plan must have as many numbers in every episode"):
+        core.reset(seed=other)
+    with pytest.raises(InvalidInput, match="plan must have as many numbers in every episode"):
+        Transport(num_worlds=20, task=Unsteady()).reset(seed=0)
+
+
+@pytest.mark.parametrize("start", [(0.0, 0.0), (np.nan, 0.0, 0.0), 3.0])
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_drawn_start_must_be_a_finite_pose(start, count):
+    class Wrong(TransportTask):
+        def sample(self, generator, body, scene):
+            return start, (1.0, 0.0, 0.0)
+
+    with pytest.raises(InvalidInput, match=r"start of an episode must be three finite numbers"):
+        Transport(num_worlds=count, task=Wrong()).reset(seed=0)
+
+
+@pytest.mark.parametrize("name", ["pose", "goal"])
+def test_a_given_pose_must_be_off_the_obstacles_of_its_own_episode(name):
+    core = Transport(task=Cluttered())
+    core.reset(seed=0)
+    last, place = core.scenes[0], (*core.scenes[0].obstacles[0].center, 0.0)
+    given: dict[str, Any] = {name: place}
+    core.reset(seed=1, **given)  # the obstacle is elsewhere now
+    assert core.scenes[0].is_free(*place[:2])
+    with pytest.raises(InvalidInput, match=rf"{name} must .* off its obstacles"):
+        core.reset(seed=0, **given)
+    assert core.scenes[0] != last  # the episode under way goes on in its own room
 
 
 def test_every_episode_brings_its_own_obstacles_into_physics_and_conditions():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers import CLUTTERED, LOOP, corners
 
-from coopenv import Body, Box, Reference, Scene, TrackingTask, Transport
+from coopenv import Body, Box, Reference, Scene, Sensor, TrackingTask, Transport
 from coopenv.envs.module import find_config
 from coopenv.errors import InvalidInput, UnknownName
 
@@ -32,6 +32,16 @@ def motion(core, task, steps=161):
     """The references ``(step, world, 9)``."""
     times = np.linspace(0, task.total, steps)
     return np.array([task.motion(core.conditions.plan, np.full(core.num_worlds, t)) for t in times])
+
+
+@pytest.mark.parametrize("name", ["preview", "reference_twist"])
+def test_a_noisy_sensor_of_the_reference_reads_zero_where_it_is_not_told(name):
+    entry = Sensor(name, noise=0.1, bias=0.1)
+    core = Transport(num_worlds=3, config=config(informed=(0,), observe=("goal", entry)))
+    obs, _ = core.reset(seed=0)
+    read = obs[..., core.observation.blocks[name]]
+    assert read[:, 0].all()
+    assert not read[:, 1].any()
 
 
 KINDS = ["minimum_jerk", "rotate", "rotate_translate", "translate", ("rotate", "translate")]

@@ -228,9 +228,11 @@ def test_a_far_obstacle_and_none_read_alike():
     np.testing.assert_array_equal(read((0.0, 0.0, 0.0), ()), wanted)
 
 
-def test_the_nearest_block_is_no_built_in_one():
+def test_the_nearest_block_is_the_tasks_own():
     assert NEAREST.name not in BLOCKS
-    assert NEAREST in coopenv.walker_avoid_v0.DEFAULTS["observe"]
+    assert NEAREST in coopenv.walker_avoid_v0.single_env().transport.config.observe
+    only = coopenv.walker_avoid_v0.single_env(observe=("goal", "nearest"))
+    assert only.transport.config.observe == ("goal", NEAREST)
 
 
 def test_episodes_bring_their_obstacles_into_the_physics():

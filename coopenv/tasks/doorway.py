@@ -41,9 +41,11 @@ def _read_gap(transition: Transition) -> FloatArray:
 GAP = Block(
     name="gap",
     size=5,
-    describe="way from the object to the gap's centre: Δx, Δy [m], direction of the passage: "
-    "cos, sin, and the gap's width [m]; agent frame",
+    describe="way from the object to the gap's centre: Δx, Δy, direction of the passage: cos, sin, "
+    "and the gap's width",
     read=_read_gap,
+    unit="m, m, 1, 1, m",
+    frame="agent",
 )
 
 

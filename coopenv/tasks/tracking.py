@@ -110,21 +110,26 @@ class TrackingTask(PoseTask):
     @property
     def blocks(self) -> tuple[Block, ...]:
         """``preview`` and ``reference_twist``."""
-        times = ", ".join(f"{time:g}" for time in self.preview)
+        times, count = ", ".join(f"{time:g}" for time in self.preview), len(self.preview)
         return (
             Block(
                 name="preview",
-                size=4 * len(self.preview),
-                describe=f"way from the object to where the reference will be in {times} s: Δx, Δy "
-                "[m], cos Δθ, sin Δθ each; agent frame; 0 for who is not told",
+                size=4 * count,
+                describe=f"way from the object to where the reference will be in {times} s: Δx, "
+                "Δy, cos Δθ, sin Δθ each; 0 where not told",
                 read=_read_preview,
+                unit=", ".join(["m, m, 1, 1"] * count),
+                frame="agent",
+                told=(0, 0, 1, 1) * count,
             ),
             Block(
                 name="reference_twist",
                 size=3,
-                describe="velocity of the reference [m/s] and spin [rad/s]; agent frame; 0 for who "
-                "is not told",
+                describe="velocity of the reference, and its spin; 0 where not told",
                 read=_read_reference_twist,
+                unit="m/s, m/s, rad/s",
+                frame="agent",
+                told=(0, 0, 1),
             ),
         )
 

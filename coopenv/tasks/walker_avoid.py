@@ -10,6 +10,8 @@ from coopenv.body import Body
 from coopenv.clearance import ways_to_boxes, ways_to_walls
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
+from coopenv.nearest import NEAREST
+from coopenv.observation import Block
 from coopenv.routes import next_stops
 from coopenv.scene import WALL_THICKNESS, Box, Scene
 from coopenv.tasks.base import Episode, Pose
@@ -74,6 +76,11 @@ class WalkerAvoidTask(RollingTask):
         count = np.full(len(plan), self.obstacles)
         stop, way = next_stops(pose, goal, boxes, count, plan[:, 1:3], plan[:, 0])
         return rolling_distance(pose, goal, stop, way, self.angle_weight, self.position_tolerance)
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The ``nearest`` block."""
+        return (NEAREST,)
 
     @property
     def max_obstacles(self) -> int:
