@@ -39,7 +39,8 @@ class Ranges:
     angular_drag: Range | None = None  # [N·m·s]
     friction: Range | None = None
     length: Range | None = None  # [m] of the outline along x, which stretches the grips' x as well
-    grips: tuple[Range, Range] | None = None  # [m] added to each grip along x and across
+    # [m] added to each grip along x and across; one at the centre of mass, a drive, stays there
+    grips: tuple[Range, Range] | None = None
     force_limit: Range | None = None  # [N], each agent its own
     torque_limit: Range | None = None  # [N·m], each agent its own
     logarithmic: tuple[str, ...] = ()  # names of parameters that are drawn log-uniformly

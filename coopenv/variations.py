@@ -65,7 +65,8 @@ class Variations:
         if self._moves_grips:
             grips: Points = values.get("grips", self._body.grips)
             values["grips"] = tuple(
-                (x + rest[2 * i], y + rest[2 * i + 1]) for i, (x, y) in enumerate(grips)
+                (x + rest[2 * i], y + rest[2 * i + 1]) if x or y else (x, y)
+                for i, (x, y) in enumerate(grips)
             )
             rest = rest[2 * num_agents :]
         limits = self._limits.copy()

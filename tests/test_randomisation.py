@@ -204,3 +204,12 @@ def test_a_grip_off_the_body_may_be_anywhere_off_it():
     core = Transport(body=handle, randomise=Ranges(grips=((-0.1, 0.1), (0.0, 0.0))))
     core.reset(seed=0)
     assert 1.1 <= core.team.grips[0, 1, 0] <= 1.3
+
+
+def test_a_grip_at_the_centre_of_mass_stays_there():
+    ranges = Ranges(grips=((-0.1, 0.1), (-0.1, 0.1)))
+    core = Transport(num_worlds=8, body=Body.walker(), randomise=ranges)
+    core.reset(seed=0)
+    assert not core.team.grips[:, 1].any()
+    np.testing.assert_array_equal(core.team.frame[:, 1], [[1.0, 0.0]] * 8)
+    assert len(np.unique(core.team.grips[:, 0, 1])) == 8
