@@ -1,6 +1,5 @@
 """The core: many worlds reset and stepped together. Every environment is a view of it."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,14 +17,13 @@ from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.info import Info, copied, replaced, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.partner import Company
+from coopenv.resets import Seed, check_free, given_pose, marked_worlds, world_seeds
 from coopenv.rewards import find_reward
 from coopenv.scene import Scene
 from coopenv.tasks import JudgedTask, MovingTask, WayTask
 from coopenv.transition import State, Transition
 from coopenv.world import World
 from coopenv.wrench.grasp import sum_at_centre
-
-Seed = int | Sequence[int | None] | None
 
 
 class Transport:
@@ -172,18 +170,19 @@ class Transport:
             If an argument has the wrong shape, a start or a goal is in something solid, or a
             world is left that never started.
         """
-        worlds = self._marked(mask)
-        pose, goal = self._given(pose, "pose"), self._given(goal, "goal")
+        worlds = marked_worlds(mask, self.num_worlds, first=self.transition is None)
+        pose = given_pose(pose, "pose", self.num_worlds)
+        goal = given_pose(goal, "goal", self.num_worlds)
         if goal is not None and self._moving is not None:
             raise InvalidInput(
                 f"goal must be left to a task whose goal moves, got {goal[0].tolist()}; give the "
                 "task another reference"
             )
         given = (pose, "pose"), (goal, "goal")
-        self._check_free(worlds, given, self._draws.scenes)
+        check_free(worlds, given, self._draws.scenes)
         self._seed(seed, worlds)
         drawn, drawn_pose, drawn_goal = self._draws.next(self.conditions, self.generators, worlds)
-        self._check_free(worlds, given, drawn.scenes)
+        check_free(worlds, given, drawn.scenes)
         self.conditions = drawn
         start = self._start(
             worlds,
@@ -367,66 +366,9 @@ class Transport:
 
     def _seed(self, seed: Seed, worlds: IntArray) -> None:
         chosen = worlds.tolist()
-        for k, own in zip(chosen, self._seeds(seed, chosen), strict=True):
+        for k, own in zip(chosen, world_seeds(seed, chosen, self.num_worlds), strict=True):
             if own is not None or self.generators[k] is None:
                 self.generators[k] = seeding.np_random(own)[0]
-
-    def _seeds(self, seed: Seed, worlds: list[int]) -> list[int | None]:
-        """The seed of each of ``worlds``."""
-        if seed is None:
-            return [None] * len(worlds)
-        if not isinstance(seed, Sequence | np.ndarray):
-            first = whole(seed, "seed", at_least=0)
-            return [first + k for k in worlds]
-        if len(seed) != self.num_worlds:
-            raise InvalidInput(
-                f"seed must be one number or one for each of {self.num_worlds} worlds, "
-                f"got {len(seed)}; world k of seed=s is seeded with s + k"
-            )
-        return [None if seed[k] is None else whole(seed[k], "seed", at_least=0) for k in worlds]
-
-    def _marked(self, mask: BoolArray | None) -> IntArray:
-        if mask is None:
-            return np.arange(self.num_worlds)
-        marked = np.asarray(mask)
-        if marked.dtype != np.bool_ or marked.shape != (self.num_worlds,):
-            raise InvalidInput(
-                f"mask must be {self.num_worlds} booleans, got {marked.dtype} of shape "
-                f"{marked.shape}; pass for example terminated | truncated"
-            )
-        if self.transition is None and not marked.all():
-            raise InvalidInput(
-                f"mask must mark every world before the first step, got {marked.sum()} of "
-                f"{self.num_worlds}; call reset() once without it"
-            )
-        return np.flatnonzero(marked)
-
-    def _given(self, pose: npt.ArrayLike | None, name: str) -> FloatArray | None:
-        if pose is None:
-            return None
-        given = finite_array(pose, name)
-        if given.shape not in ((3,), (self.num_worlds, 3)):
-            raise InvalidInput(
-                f"{name} must have shape (3,) or ({self.num_worlds}, 3), got {given.shape}; "
-                "give x, y [m] and θ [rad]"
-            )
-        return np.broadcast_to(given, (self.num_worlds, 3)).copy()
-
-    def _check_free(
-        self,
-        worlds: IntArray,
-        given: Sequence[tuple[FloatArray | None, str]],
-        scenes: Sequence[Scene],
-    ) -> None:
-        """Raise where a given pose is in a wall, an obstacle or another world's room."""
-        for pose, name in given:
-            for k in () if pose is None else worlds.tolist():
-                if not scenes[k].is_free(*pose[k, :2].tolist()):
-                    raise InvalidInput(
-                        f"{name} must put the centre of mass inside the room of {scenes[k].size} m "
-                        f"and off its obstacles, got {pose[k].tolist()} in world {k}; the origin "
-                        "is the room's centre"
-                    )
 
     def _check_running(self, restart: BoolArray | None) -> None:
         """Raise `ResetNeeded` where a world that does not restart has no episode under way."""
