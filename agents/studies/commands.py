@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from coopenv.errors import MissingExtra
 from coopenv.scene import Box
 
+from .. import walker_simulations
 from .beam import BeamConfig
 
 if TYPE_CHECKING:
@@ -35,6 +36,50 @@ class Beam:
         with console.status("decomposing and drawing"):
             found, files = beam_report.write(run, self.out)
         _print_claims(console, found, "beam: the claims of section V-C")
+        _print_files(console, self.out, files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WalkerTurn:
+    """A walker, pushed by a human and turned by its drive (Figs. 9, 10)."""
+
+    simulation: walker_simulations.WalkerTurn = field(default_factory=walker_simulations.WalkerTurn)
+    out: Path = Path("runs/study_walker_turn")
+    """Folder for figures, tables and data."""
+
+    def run(self) -> None:
+        """Simulate, decompose, check, write."""
+        console = _console()
+        from . import walker_turn
+
+        with console.status("turning the walker"):
+            recording = self.simulation.run()
+        with console.status("decomposing and drawing"):
+            found, files = walker_turn.write(self.simulation, recording, self.out)
+        _print_claims(console, found, "walker-turn: the claims of section V-A")
+        _print_files(console, self.out, files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WalkerAvoid:
+    """A walker whose drive holds it off an obstacle, against the human's plan (Fig. 11)."""
+
+    simulation: walker_simulations.WalkerAvoid = field(
+        default_factory=walker_simulations.WalkerAvoid
+    )
+    out: Path = Path("runs/study_walker_avoid")
+    """Folder for figures, tables and data."""
+
+    def run(self) -> None:
+        """Simulate, decompose, check, write."""
+        console = _console()
+        from . import walker_avoid
+
+        with console.status("walking towards the obstacle"):
+            recording = self.simulation.run()
+        with console.status("decomposing and drawing"):
+            found, files = walker_avoid.write(self.simulation, recording, self.out)
+        _print_claims(console, found, "walker-avoid: the claims of section V-A")
         _print_files(console, self.out, files)
 
 
