@@ -67,7 +67,7 @@ def test_a_drive_that_lets_go_breaks_them(avoided):
     applied = avoided.applied.copy()
     applied[:, 1] = 0.0
     found = walker_avoid.claims(Walk(replace(avoided, applied=applied)), AVOID)
-    assert len(broken(found)) >= 5  # nothing peaks, nothing jumps, nobody inflates anything
+    assert len([claim for claim in found if not claim.holds]) >= 4  # nothing peaks, nothing jumps
 
 
 @pytest.mark.parametrize("name", ["turn", "avoid"])
