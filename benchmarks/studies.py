@@ -39,12 +39,12 @@ PICTURES = {
 
 def tables(out: Path) -> dict[str, str]:
     """Markdown of each table by the name of its mark, from the files that the studies left."""
-    return {
-        "people": people(),
+    found = {
         f"{study} {name}": (out / study / f"{name}.md").read_text(encoding="utf-8")
         for study, names in TABLES.items()
         for name in names
     }
+    return {"people": people(), **found}
 
 
 def people() -> str:
