@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
-from coopenv.agents.studies.commands import Beam, Dyads
+from coopenv.agents.studies.commands import Beam, Dyads, WalkerAvoid, WalkerTurn
 from coopenv.config import TransportConfig
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
 from coopenv.logs.command import Decompose
@@ -135,7 +135,7 @@ class Evaluate:
 class Study:
     """Run a study of the paper and check its claims, or analyse recorded trials the same way."""
 
-    study: Beam | Dyads
+    study: WalkerTurn | WalkerAvoid | Beam | Dyads
 
     def run(self) -> None:
         """Run it."""

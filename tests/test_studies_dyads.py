@@ -150,12 +150,12 @@ def test_the_comparison_states_differences_to_the_human_numbers(full):
     rows = {row["quantity"]: row for row in dyads_report.comparison(full)}
     one = rows["T_I, ours, guide to one [N·m]"]
     assert one["people"] == "0.1548 ± 0.0693"
-    here = float(one["here"].split()[0])
+    here = float(one["recorded trials"].split()[0])
     assert float(one["difference"]) == pytest.approx(here - 0.1548, abs=1e-4)
-    assert "(6 pairs)" in one["here"]
+    assert "(6 pairs)" in one["recorded trials"]
     f = rows["F of method × guide on T_I"]
     assert f["people"] == "F(8, 88) = 3.1"
-    assert f["here"].startswith("F(8, 40) = ")
+    assert f["recorded trials"].startswith("F(8, 40) = ")
 
 
 def test_everything_is_written(tmp_path, full):

@@ -10,17 +10,39 @@ from study_trials import DT, STEPS, make_trials
 
 from coopenv.agents.studies import trials
 from coopenv.errors import InvalidInput
+from coopenv.logs import Layout
 from coopenv.scene import Box
 
 
-def test_trials_come_back_from_files_in_order_of_time(tmp_path):
+def test_trials_come_back_from_files_in_order(tmp_path):
     table = make_trials(pairs=2)
-    shuffled = table.sample(frac=1, random_state=0)
-    shuffled[shuffled["pair"] == 0].to_csv(tmp_path / "a.csv", index=False)
-    shuffled[shuffled["pair"] == 1].to_parquet(tmp_path / "b.parquet")
+    table[table["pair"] == 0].to_csv(tmp_path / "a.csv", index=False)
+    backwards = table.sort_values(["condition", "trial", "time"], ascending=[False, False, True])
+    backwards[backwards["pair"] == 1].to_parquet(tmp_path / "b.parquet")
     found = trials.read_trials([tmp_path / "b.parquet", tmp_path / "a.csv"])
     expected = table.sort_values(["pair", "condition", "trial", "time"], ignore_index=True)
-    pd.testing.assert_frame_equal(found, expected, check_dtype=False)
+    pd.testing.assert_frame_equal(found, expected, check_like=True, check_dtype=False)
+
+
+def test_files_may_have_other_units_names_and_frames(tmp_path):
+    table = make_trials(pairs=1, trials=2)
+    c, s = np.cos(table["theta"]), np.sin(table["theta"])
+    theirs = table.rename(columns={"pair": "dyad", "time": "t"}).drop(
+        columns=["r1x", "r1y", "r2x", "r2y"]
+    )
+    theirs["t"] *= 1000
+    theirs["theta"] = np.rad2deg(theirs["theta"])
+    for i in (1, 2):
+        x, y = table[f"f{i}x"], table[f"f{i}y"]
+        theirs[f"f{i}x"], theirs[f"f{i}y"] = c * x - s * y, s * x + c * y
+    theirs.to_csv(tmp_path / "lab.csv", index=False)
+    layout = Layout(
+        columns={"time": "t"}, trial_columns=("dyad", "condition", "trial"), time="ms",
+        angle="deg", frame="world", grips=(-1.0, 0.0, 1.0, 0.0),
+    )  # fmt: skip
+    found = trials.read_trials([tmp_path / "lab.csv"], layout)
+    expected = trials.checked_trials(table)
+    pd.testing.assert_frame_equal(found, expected, check_like=True, check_dtype=False)
 
 
 def test_arrays_make_the_same_table_as_columns():
@@ -97,7 +119,10 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path):
         trials.read_trials([tmp_path / "gone.csv"])
     bad = tmp_path / "bad.csv"
     bad.write_text("a,b\n1,2\n")
-    with pytest.raises(InvalidInput, match=r"bad\.csv.*columns"):
+    with pytest.raises(InvalidInput, match=r"bad\.csv.*column"):
+        trials.read_trials([bad])
+    make_trials(pairs=1).drop(columns=["pair", "theta"]).to_csv(bad)
+    with pytest.raises(InvalidInput, match=r"bad\.csv.*none for pair, theta"):
         trials.read_trials([bad])
     with pytest.raises(InvalidInput, match="got none"):
         trials.read_trials([])

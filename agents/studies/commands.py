@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
 
 from coopenv.errors import MissingExtra
 from coopenv.scene import Box
 
+from .. import walker_simulations
 from .beam import BeamConfig
+from .dyads_config import DyadsConfig
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,6 +17,14 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from .claims import Claim
+    from .tables import Table
+
+try:
+    import tyro
+except ImportError:  # then the command line says what is missing
+    POSITIONAL: Any = None
+else:
+    POSITIONAL = tyro.conf.Positional
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,42 +49,107 @@ class Beam:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dyads:
-    """The analysis of the human study (Figs. 15, 16) on recorded trials of pairs.
+class WalkerTurn:
+    """A walker, pushed by a human and turned by its drive (Figs. 9, 10)."""
 
-    Columns are in coopenv.agents.studies.trials: pair, condition (one, both, none), trial, time,
-    pose, both agents' wrenches and grips, and first, the agent that enters the final platform
-    first.
+    simulation: walker_simulations.WalkerTurn = field(default_factory=walker_simulations.WalkerTurn)
+    out: Path = Path("runs/study_walker_turn")
+    """Folder for figures, tables and data."""
+
+    def run(self) -> None:
+        """Simulate, decompose, check, write."""
+        console = _console()
+        from . import walker_turn
+
+        with console.status("turning the walker"):
+            recording = self.simulation.run()
+        with console.status("decomposing and drawing"):
+            found, files = walker_turn.write(self.simulation, recording, self.out)
+        _print_claims(console, found, "walker-turn: the claims of section V-A")
+        _print_files(console, self.out, files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WalkerAvoid:
+    """A walker whose drive holds it off an obstacle, against the human's plan (Fig. 11)."""
+
+    simulation: walker_simulations.WalkerAvoid = field(
+        default_factory=walker_simulations.WalkerAvoid
+    )
+    out: Path = Path("runs/study_walker_avoid")
+    """Folder for figures, tables and data."""
+
+    def run(self) -> None:
+        """Simulate, decompose, check, write."""
+        console = _console()
+        from . import walker_avoid
+
+        with console.status("walking towards the obstacle"):
+            recording = self.simulation.run()
+        with console.status("decomposing and drawing"):
+            found, files = walker_avoid.write(self.simulation, recording, self.out)
+        _print_claims(console, found, "walker-avoid: the claims of section V-A")
+        _print_files(console, self.out, files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dyads:
+    """The human study (Figs. 15, 16), with simulated people or on recorded trials of pairs.
+
+    Without files, pairs of simulated people carry a beam through a doorway. Files are read as
+    coopenv decompose reads them, and say besides pair, condition (one, both, none), trial and
+    first, the agent that enters the final platform first.
     """
 
-    files: tuple[Path, ...]
-    """CSV or Parquet files of trials, taken together."""
+    files: Annotated[tuple[Path, ...], POSITIONAL] = ()
+    """CSV, NPZ or Parquet files of recorded trials, taken together; none: simulated people."""
+    layout: Path | None = None
+    """.toml or .json file that says how the files are to be read; see docs/recordings.md."""
     platform: tuple[float, float, float, float] | None = None
     """Final platform where the files do not say who is first: its centre x y, its width height."""
     window: float = 0.6
     """Start of a trial over which T_I is averaged [s]."""
+    simulation: DyadsConfig = field(default_factory=DyadsConfig)
     out: Path = Path("runs/study_dyads")
     """Folder for figures, tables and data."""
 
     def run(self) -> None:
-        """Read, analyse, write."""
+        """Read or simulate, analyse, write."""
         console = _console()
-        from . import dyads, dyads_report, trials
+        from . import dyads, dyads_report, dyads_simulation
 
-        table = trials.read_trials(self.files)
-        if self.platform is not None:
-            x, y, width, height = self.platform
-            box = Box(center=(x, y), size=(width, height))
-            table = table.assign(first=trials.first_to_enter(table, box))
+        if self.files:
+            table, source, made = self._recorded(), "recorded trials", []
+        else:
+            with console.status("simulating people"):
+                run = dyads_simulation.simulate(self.simulation)
+            made = dyads_simulation.save(run, self.out)
+            table, source = run.trials, dyads_simulation.SOURCE
+            _print_rows(
+                console, dyads_simulation.course_rows(run), "the trials of simulated people"
+            )
         with console.status("analysing"):
-            analysis = dyads.analyse(table, window=self.window)
+            analysis = dyads.analyse(table, window=self.window, source=source)
             found, files = dyads_report.write(analysis, self.out)
-        _print_rows(console, dyads_report.comparison(analysis), "beside the people of section VI")
+        title = f"{source} beside the people of section VI"
+        _print_rows(console, dyads_report.comparison(analysis), title)
         _print_rows(console, dyads_report.effect_rows(analysis), "repeated-measures ANOVA")
-        _print_claims(console, found, "dyads: what was found in people, here")
+        _print_claims(console, found, f"dyads: what was found in people, in {source}")
         for note in analysis.notes:
             console.print(f"note: {note}", markup=False, highlight=False)
-        _print_files(console, self.out, files)
+        _print_files(console, self.out, [*files, *made])
+
+    def _recorded(self) -> "Table":
+        from coopenv.logs import Layout
+
+        from . import trials
+
+        table = trials.read_trials(self.files, Layout.load(self.layout))
+        if self.platform is None:
+            return table
+        x, y, width, height = self.platform
+        box = Box(center=(x, y), size=(width, height))
+        return table.assign(first=trials.first_to_enter(table, box))
 
 
 def _console() -> "Console":

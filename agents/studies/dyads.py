@@ -16,6 +16,7 @@ from coopenv.wrench import load_share
 
 from .anova import Effect, complete_subjects, repeated_measures
 from .density import LoadDensity, Quadrants
+from .dyads_config import WINDOW
 from .methods import decompose_by_methods
 from .tables import Table
 from .trials import applied_wrenches, checked_trials, durations, elapsed, grip_positions, turned
@@ -31,7 +32,6 @@ METHODS = (
 
 GUIDES = ("one", "both", "none")
 QUADRANTS = ("dominant", "passive", "force_specialist", "torque_specialist")
-WINDOW = 0.6  # [s] from the start of a trial
 TURN = np.pi / 4  # [rad] up to which rotations count
 
 

@@ -108,11 +108,15 @@ def comparison(analysis: DyadAnalysis) -> list[dict[str, str]]:
     torque = analysis.internal_torque.query("method == @OURS")
     for guide, human in HUMAN_TORQUE.items():
         values = torque.loc[torque["condition"] == guide, "internal_torque"].to_numpy()
-        rows.append(_beside(f"T_I, ours, {GUIDE_LABELS[guide]} [N·m]", human, values))
+        rows.append(
+            _beside(analysis.source, f"T_I, ours, {GUIDE_LABELS[guide]} [N·m]", human, values)
+        )
     for guide, human in HUMAN_DOMINANT.items():
         chosen = analysis.quadrants["condition"] == guide
         values = 100 * analysis.quadrants.loc[chosen, "dominant"].to_numpy()
-        rows.append(_beside(f"time in dominant, {GUIDE_LABELS[guide]} [%]", human, values))
+        rows.append(
+            _beside(analysis.source, f"time in dominant, {GUIDE_LABELS[guide]} [%]", human, values)
+        )
     effects = {("T_I", e.factors): e for e in analysis.torque_effects}
     effects |= {("dominance", e.factors): e for e in analysis.dominance_effects}
     for key, ((df_effect, df_error), human_f) in HUMAN_F.items():
@@ -121,7 +125,7 @@ def comparison(analysis: DyadAnalysis) -> list[dict[str, str]]:
             {
                 "quantity": f"F of {' × '.join(LABELS[name] for name in key[1])} on {key[0]}",
                 "people": f"F({df_effect}, {df_error}) = {human_f}",
-                "here": "-" if effect is None else effect.row()["F"],
+                analysis.source: "-" if effect is None else effect.row()["F"],
                 "difference": "-" if effect is None else number(effect.f - human_f),
             }
         )
@@ -130,7 +134,7 @@ def comparison(analysis: DyadAnalysis) -> list[dict[str, str]]:
         {
             "quantity": "p of guide on T_I",
             "people": number(HUMAN_GUIDE_P),
-            "here": "-" if guide_effect is None else number(guide_effect.p),
+            analysis.source: "-" if guide_effect is None else number(guide_effect.p),
             "difference": "-" if guide_effect is None else number(guide_effect.p - HUMAN_GUIDE_P),
         }
     )
@@ -218,7 +222,9 @@ def draw_densities(analysis: DyadAnalysis, path: Path) -> None:
     save_figure(figure, path)
 
 
-def _beside(quantity: str, human: tuple[float, float], values: np.ndarray) -> dict[str, str]:
+def _beside(
+    source: str, quantity: str, human: tuple[float, float], values: np.ndarray
+) -> dict[str, str]:
     if not len(values):
         mean, here = np.nan, "-"
     else:
@@ -228,7 +234,7 @@ def _beside(quantity: str, human: tuple[float, float], values: np.ndarray) -> di
     return {
         "quantity": quantity,
         "people": f"{human[0]} ± {human[1]}",
-        "here": here,
+        source: here,
         "difference": number(mean - human[0]),
     }
 

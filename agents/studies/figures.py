@@ -54,25 +54,28 @@ Panel: TypeAlias = tuple[str, Callable[[Trial], Sequence[Curve]]]
 """What the vertical axis says, with unit, and the curves of a trial."""
 
 
-def _first(label: str) -> Look:
+def first(label: str) -> Look:
+    """How the first of several curves is drawn."""
     return Look(label, BLUE, "-", 2.4)
 
 
-def _second(label: str) -> Look:
+def second(label: str) -> Look:
+    """The second."""
     return Look(label, ORANGE, "--", 1.6)
 
 
-def _third(label: str) -> Look:
+def third(label: str) -> Look:
+    """The third."""
     return Look(label, GREEN, ":", 1.8)
 
 
 def pose_curves(trial: Trial) -> list[Curve]:
     """Pose, and the plan behind it."""
-    looks = (_first("x [m]"), _second("y [m]"), _third("θ [rad]"))
-    curves = [_curve(look, trial.pose[:, i]) for i, look in enumerate(looks)]
+    looks = (first("x [m]"), second("y [m]"), third("θ [rad]"))
+    curves = [curve(look, trial.pose[:, i]) for i, look in enumerate(looks)]
     if trial.planned is not None:
         plan = Look("plan", "#BBBBBB", "-", 5.0)
-        plans = [_curve(plan, trial.planned[:, i]) for i in range(3)]
+        plans = [curve(plan, trial.planned[:, i]) for i in range(3)]
         curves = plans + curves
     return curves
 
@@ -80,16 +83,16 @@ def pose_curves(trial: Trial) -> list[Curve]:
 def resultant_curves(trial: Trial) -> list[Curve]:
     """Force and torque on the object."""
     resultant = object_wrench(trial.applied, trial.grips)
-    looks = (_first("f_o,x [N]"), _second("f_o,y [N]"), _third("t_o [N·m]"))
-    return [_curve(look, resultant[:, i]) for i, look in enumerate(looks)]
+    looks = (first("f_o,x [N]"), second("f_o,y [N]"), third("t_o [N·m]"))
+    return [curve(look, resultant[:, i]) for i, look in enumerate(looks)]
 
 
 def component(index: int, symbol: str) -> Callable[[Trial], Sequence[Curve]]:
     """One component of both agents' applied wrench."""
 
     def curves(trial: Trial) -> list[Curve]:
-        looks = (_first(f"{symbol.format(1)}"), _second(f"{symbol.format(2)}"))
-        return [_curve(look, trial.applied[:, i, index]) for i, look in enumerate(looks)]
+        looks = (first(f"{symbol.format(1)}"), second(f"{symbol.format(2)}"))
+        return [curve(look, trial.applied[:, i, index]) for i, look in enumerate(looks)]
 
     return curves
 
@@ -98,8 +101,8 @@ def load_share_curves(trial: Trial) -> list[Curve]:
     """Load shares of agent 1; gaps where they are undefined."""
     share = load_share(trial.applied, trial.grips)
     return [
-        _curve(_first("α_f,1 (force)"), share.force[:, 0]),
-        _curve(_second("α_t,1 (torque)"), share.torque[:, 0]),
+        curve(first("α_f,1 (force)"), share.force[:, 0]),
+        curve(second("α_t,1 (torque)"), share.torque[:, 0]),
     ]
 
 
@@ -107,9 +110,9 @@ def energy_share_curves(trial: Trial) -> list[Curve]:
     """Energy shares of agent 1; gaps where they are undefined."""
     share = energy_share(trial.applied, trial.grips, trial.twist)
     return [
-        _curve(_first("β_1 (total)"), share.total[:, 0]),
-        _curve(_second("β_lin,1"), share.linear[:, 0]),
-        _curve(_third("β_rot,1"), share.angular[:, 0]),
+        curve(first("β_1 (total)"), share.total[:, 0]),
+        curve(second("β_lin,1"), share.linear[:, 0]),
+        curve(third("β_rot,1"), share.angular[:, 0]),
     ]
 
 
@@ -118,7 +121,7 @@ def method_curves(measure: str) -> Callable[[Trial], Sequence[Curve]]:
 
     def curves(trial: Trial) -> list[Curve]:
         return [
-            _curve(LOOKS[name], getattr(split, measure)) for name, split in trial.by_method.items()
+            curve(LOOKS[name], getattr(split, measure)) for name, split in trial.by_method.items()
         ]
 
     return curves
@@ -187,11 +190,11 @@ def draw_trials(
     explained: list[str] = []
     for row, (label, curves_of) in zip(grid, panels, strict=True):
         for axes, trial in zip(row, trials, strict=True):
-            _draw_panel(axes, trial.time, curves_of(trial), marks)
-        _share_scale(row)
+            draw_panel(axes, trial.time, curves_of(trial), marks)
+        share_scale(row)
         row[0].set_ylabel(label)
         if explained != (explained := row[-1].get_legend_handles_labels()[1]):
-            _legend_beside(row[-1])
+            legend_beside(row[-1])
     for axes, trial in zip(grid[0], trials, strict=True):
         axes.set_title(trial.title)
     for axes in grid[-1]:
@@ -222,28 +225,28 @@ def save_figure(figure: "Figure", path: str | os.PathLike) -> None:
         figure.savefig(part, format="png", dpi=DPI)
 
 
-def _curve(look: Look, values: FloatArray) -> Curve:
+def curve(look: Look, values: FloatArray) -> Curve:
+    """A line that is called as its look is."""
     return Curve(look.label, values, look)
 
 
-def _draw_panel(
+def draw_panel(
     axes: "Axes", time: FloatArray, curves: Sequence[Curve], marks: Sequence[float]
 ) -> None:
+    """Curves over time; several of one label share one entry of the legend."""
     labels = set()
-    for curve in curves:
-        look = curve.look
-        label = None if curve.label in labels else curve.label
-        labels.add(curve.label)
-        axes.plot(
-            time, curve.values, look.line, color=look.color, linewidth=look.width, label=label
-        )
+    for each in curves:
+        look = each.look
+        label = None if each.label in labels else each.label
+        labels.add(each.label)
+        axes.plot(time, each.values, look.line, color=look.color, linewidth=look.width, label=label)
     for mark in marks:
         axes.axvline(mark, color="#999999", linewidth=0.6)
     axes.grid(alpha=0.3)
     axes.margins(x=0)
 
 
-def _share_scale(row: "Sequence[Axes]") -> None:
+def share_scale(row: "Sequence[Axes]") -> None:
     """One vertical scale for a row; a range that is only rounding is opened to ±1."""
     low = min(axes.dataLim.ymin for axes in row)
     high = max(axes.dataLim.ymax for axes in row)
@@ -257,7 +260,8 @@ def _share_scale(row: "Sequence[Axes]") -> None:
             axes.tick_params(labelleft=False)
 
 
-def _legend_beside(axes: "Axes") -> None:
+def legend_beside(axes: "Axes") -> None:
+    """A legend to the right of a panel, where it hides nothing."""
     if axes.get_legend_handles_labels()[0]:
         axes.legend(
             loc="center left",

@@ -1,0 +1,101 @@
+"""The figures and tables of docs/studies.md, made by running every study.
+
+python -m benchmarks.studies            # prints them, and leaves all files in runs/studies
+python -m benchmarks.studies --write    # and puts figures and tables on the page
+"""
+
+import re
+import sys
+from inspect import getsource
+from pathlib import Path
+
+from coopenv.agents.studies import commands
+from coopenv.agents.studies.claims import markdown
+from coopenv.agents.studies.people import People
+from coopenv.files import written
+
+PAGE = Path(__file__).parents[1] / "docs" / "studies.md"
+OUT = Path("runs") / "studies"
+
+STUDIES = {
+    "walker-turn": commands.WalkerTurn,
+    "walker-avoid": commands.WalkerAvoid,
+    "beam": commands.Beam,
+    "dyads": commands.Dyads,
+}
+TABLES = {
+    "walker-turn": ("claims",),
+    "walker-avoid": ("claims",),
+    "beam": ("claims",),
+    "dyads": ("course", "comparison", "anova", "claims"),
+}
+PICTURES = {
+    "walker-turn": ("way", "time"),
+    "walker-avoid": ("way", "time"),
+    "beam": ("motion_J1", "disagreement_J1"),
+    "dyads": ("internal_torque", "load_density"),
+}
+
+
+def tables(out: Path) -> dict[str, str]:
+    """Markdown of each table by the name of its mark, from the files that the studies left."""
+    found = {
+        f"{study} {name}": (out / study / f"{name}.md").read_text(encoding="utf-8")
+        for study, names in TABLES.items()
+        for name in names
+    }
+    return {"people": people(), **found}
+
+
+def people() -> str:
+    """Each trait's distribution, as the comments of the dataclass say it."""
+    rows = []
+    for name, value, said in re.findall(r"^    (\w+): .*= (.*)  # (.*)$", getsource(People), re.M):
+        low_high = value.strip("()").split(", ")
+        drawn = " to ".join(low_high) if len(low_high) == 2 else f"normal, 0 ± {value}"
+        rows.append({"trait": f"`{name}`", "drawn": drawn, "what": said})
+    return markdown(rows)
+
+
+def pictures(out: Path) -> dict[Path, Path]:
+    """Each picture of the page and the file that it is made from."""
+    folder = PAGE.with_suffix("")
+    return {
+        folder / f"{study}_{name}.png": out / study / f"{name}.png"
+        for study, names in PICTURES.items()
+        for name in names
+    }
+
+
+def page(found: dict[str, str]) -> str:
+    """The page with these tables in place of its own."""
+    text = PAGE.read_text(encoding="utf-8")
+    for name, table in found.items():
+        mark = f"<!-- {name} -->\n"
+        head, _, tail = text.split(mark)
+        text = f"{head}{mark}{table}{mark}{tail}"
+    return text
+
+
+def write(out: Path) -> None:
+    """Put figures and tables on the page."""
+    from PIL import Image
+
+    PAGE.with_suffix("").mkdir(exist_ok=True)
+    for path, source in pictures(out).items():
+        with Image.open(source) as image, written(path) as part:
+            few = image.convert("RGB").quantize(128, dither=Image.Dither.NONE)  # a third in size
+            few.save(part, format="PNG", optimize=True)
+    PAGE.write_text(page(tables(out)), encoding="utf-8")
+
+
+def main() -> None:
+    """Run every study; with ``--write`` also put what they found on the page."""
+    for name, study in STUDIES.items():
+        study(out=OUT / name).run()
+    if "--write" in sys.argv[1:]:
+        write(OUT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+"""Simulated pairs of people: what they know, how they differ, what a study of them records."""
+
+from dataclasses import fields
+
+import numpy as np
+import pandas as pd
+import pytest
+
+pytest.importorskip("statsmodels")
+pytest.importorskip("matplotlib")
+pytest.importorskip("pyarrow")
+
+from coopenv import cli
+from coopenv.agents.studies.dyads import GUIDES, quadrant_shares
+from coopenv.agents.studies.dyads_config import DyadsConfig
+from coopenv.agents.studies.dyads_simulation import simulate
+from coopenv.agents.studies.people import Pairs, People
+from coopenv.agents.studies.trials import read_trials
+from coopenv.errors import InvalidInput
+from coopenv.transport import Transport
+
+BRIEF = DyadsConfig(pairs=3, trials=2, seconds=14.0, dt=0.04)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate(BRIEF)
+
+
+def test_every_trait_is_drawn_as_said_and_differs_between_people():
+    people = People()
+    drawn = people.draw(0, 200)
+    for entry in fields(people):
+        span, values = getattr(people, entry.name), getattr(drawn, entry.name)
+        assert values.shape[:2] == (200, 2)
+        assert len(np.unique(values)) == values.size
+        if isinstance(span, tuple):
+            assert span[0] <= values.min()
+            assert values.max() <= span[1]
+            assert values.mean() == pytest.approx(np.mean(span), rel=0.05)
+        else:
+            assert values.std() == pytest.approx(span, rel=0.15)
+            assert abs(values.mean()) < 0.15 * span
+
+
+def test_who_is_told_plans_with_the_goal_and_who_is_not_with_the_start():
+    config = BRIEF.environment
+    people = People(place=0.0, reading=0.0, habit=0.0).draw(0, 3)
+    told = np.array([(True, False), (True, True), (False, False)])
+    core = Transport(num_worlds=3, config=config)
+    core.reset(seed=0)
+    start = core.transition
+    assert start is not None
+    pairs = Pairs(config, people, told)
+    pairs.reset(start, core.generators)
+    goal, angle = start.next_state.goal[:, None, 2], start.next_state.pose[:, None, 2]
+    np.testing.assert_array_equal(pairs.goals[..., 2], np.where(told, goal, angle))
+    np.testing.assert_array_equal(pairs.goals[:, 0, :2], start.next_state.goal[:, :2])
+
+
+def test_only_who_is_not_told_gives_in_to_unexpected_torque():
+    config = BRIEF.environment
+    core = Transport(num_worlds=1, config=config)
+    core.reset(seed=0)
+    start = core.transition
+    assert start is not None
+    pairs = Pairs(config, People().draw(0, 1), np.array([(True, False)]))
+    pairs.reset(start, core.generators)
+    before = pairs.goals.copy()
+    action = np.zeros((1, 2, 3))
+    action[0, 0, 2] = 0.5  # agent 1 turns it, agent 2 does nothing
+    core.step(action)
+    after = core.transition
+    assert after is not None
+    pairs.act(after)
+    turn = pairs.goals[0, :, 2] - before[0, :, 2]
+    assert turn[0] == 0
+    assert turn[1] > 0
+
+
+def test_rooms_are_the_same_with_each_guide_and_differ_between_pairs_and_trials(run):
+    starts = run.trials.groupby(["pair", "trial", "condition"])[["x", "y", "theta"]].first()
+    spread = starts.groupby(["pair", "trial"]).agg(np.ptp)
+    assert (spread == 0).all(axis=None)
+    assert len(starts.drop_duplicates()) == 6
+
+
+def test_the_beam_arrives_turned_as_those_who_know_want_it(run):
+    assert run.arrived.sum() >= 15  # of 18
+    assert sorted(run.trials["condition"].unique()) == sorted(GUIDES)
+    off = dict(zip(GUIDES, run.turned_wrong.mean(axis=0), strict=True))
+    assert off["both"] < 0.3 < off["none"]
+    assert off["one"] < off["none"]
+
+
+def test_a_pair_does_the_same_whoever_else_takes_part(run):
+    fewer = simulate(DyadsConfig(pairs=2, trials=2, seconds=14.0, dt=0.04)).trials
+    same = run.trials[run.trials["pair"] <= 2].reset_index(drop=True)
+    numbers = [table.drop(columns="condition").to_numpy() for table in (fewer, same)]
+    np.testing.assert_allclose(*numbers, atol=1e-8)  # NumPy rounds by place in the array
+
+
+def test_the_command_simulates_and_its_trials_can_be_analysed_again(tmp_path, capsys, monkeypatch):
+    pytest.importorskip("tyro")
+    monkeypatch.setenv("COLUMNS", "160")
+    options = ("--pairs", 3, "--trials", 4, "--seconds", 5, "--dt", 0.1, "--out", tmp_path)
+    assert cli.main(["study", "dyads", *map(str, options)]) == 0
+    printed = capsys.readouterr().out
+    assert "simulated people beside the people" in printed
+    assert "the trials of simulated people" in printed
+    again = quadrant_shares(read_trials([tmp_path / "trials.parquet"]))
+    found = pd.read_csv(tmp_path / "quadrants.csv")
+    pd.testing.assert_frame_equal(again, found, check_dtype=False)
+    assert len(pd.read_csv(tmp_path / "people.csv")) == 6
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: People(speed=(0.9, 0.5)), r"people\.speed must be two numbers"),
+        (lambda: People(habit=-1.0), r"people\.habit must be zero or positive"),
+        (lambda: DyadsConfig(dt=0.07), r"dt must divide 0\.6 s"),
+        (lambda: DyadsConfig(pairs=0), r"pairs must be"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(build, said):
+    with pytest.raises(InvalidInput, match=said):
+        build()
