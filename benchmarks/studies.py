@@ -16,6 +16,7 @@ from coopenv.files import written
 
 PAGE = Path(__file__).parents[1] / "docs" / "studies.md"
 OUT = Path("runs") / "studies"
+LARGE = 200_000  # [B] from which a picture is stored with 256 colours
 
 STUDIES = {
     "walker-turn": commands.WalkerTurn,
@@ -84,8 +85,10 @@ def write(out: Path) -> None:
     PAGE.with_suffix("").mkdir(exist_ok=True)
     for path, source in pictures(out).items():
         with Image.open(source) as image, written(path) as part:
-            few = image.convert("RGB").quantize(128, dither=Image.Dither.NONE)  # a third in size
-            few.save(part, format="PNG", optimize=True)
+            stored = image.convert("RGB")
+            if source.stat().st_size > LARGE:
+                stored = stored.quantize(256, dither=Image.Dither.NONE)
+            stored.save(part, format="PNG", optimize=True)
     PAGE.write_text(page(tables(out)), encoding="utf-8")
 
 

@@ -1,0 +1,64 @@
+"""The page on the studies shows what the commands find."""
+
+import re
+
+import pytest
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("statsmodels")
+
+from benchmarks import studies
+from coopenv.agents.studies import walker_avoid, walker_turn
+from coopenv.agents.studies.walker_report import Walk
+from coopenv.agents.walker_simulations import WalkerAvoid, WalkerTurn
+
+TEXT = studies.PAGE.read_text(encoding="utf-8")
+
+
+def on_page(name: str) -> str:
+    return TEXT.split(f"<!-- {name} -->\n")[1]
+
+
+def verdicts(name: str) -> list[tuple[str, str]]:
+    """Claim and verdict of each row, which another machine's rounding does not change."""
+    rows = [line.strip("| ").split(" | ") for line in on_page(name).splitlines()[2:]]
+    return [(row[0], row[4]) for row in rows]
+
+
+def test_every_table_and_picture_is_there():
+    for study, names in studies.TABLES.items():
+        for name in names:
+            assert len(on_page(f"{study} {name}").splitlines()) > 3, (study, name)
+    shown = set(re.findall(r"\]\((studies/.*?\.png)\)", TEXT))
+    paths = [path for path in studies.pictures(studies.OUT)]
+    assert shown == {f"studies/{path.name}" for path in paths}
+    assert all(5_000 < path.stat().st_size < 250_000 for path in paths)
+
+
+def test_the_traits_are_those_of_the_code():
+    assert on_page("people") == studies.people()  # else: python -m benchmarks.studies --write
+    assert studies.people().count("\n") == 2 + 12
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("walker-turn claims", lambda: walker_turn.claims(Walk(WalkerTurn().run()))),
+        (
+            "walker-avoid claims",
+            lambda: walker_avoid.claims(Walk(WalkerAvoid().run()), WalkerAvoid()),
+        ),
+    ],
+)
+def test_the_walkers_claims_are_what_the_code_finds(name, found):
+    assert verdicts(name) == [(claim.text, claim.verdict) for claim in found()]
+
+
+def test_what_does_not_hold_is_what_the_text_explains():
+    failed = [row for name in studies.STUDIES for row in verdicts(f"{name} claims")
+              if row[1] != "holds"]  # fmt: skip
+    assert [text.split(":")[0] for text, _ in failed] == [
+        "point mass",
+        "nonsqueezing",
+        "agent 1 dominates longer",
+    ]
