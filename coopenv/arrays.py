@@ -15,12 +15,7 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 
 def finite_array(value: Any, name: str) -> FloatArray:
     """Convert to float64 and raise `InvalidInput` unless every element is a finite number."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidInput(
-            f"{name} must be an array of numbers, got {value!r}; pass nested lists or a NumPy array"
-        ) from error
+    array = number_array(value, name)
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InvalidInput(
@@ -28,6 +23,20 @@ def finite_array(value: Any, name: str) -> FloatArray:
             "remove or interpolate missing samples first"
         )
     return array
+
+
+def number_array(value: Any, name: str) -> FloatArray:
+    """Convert to float64 and raise `InvalidInput` unless every element is a real number or NaN."""
+    try:
+        given = np.asarray(value)
+        unreal = any(isinstance(each, str | bytes | complex) for each in _objects(given))
+        if given.dtype.kind not in "biufO" or unreal:  # text would be read, parts be dropped
+            raise TypeError(f"real numbers are needed, not {given.dtype}")
+        return given.astype(np.float64, copy=False)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(
+            f"{name} must be an array of numbers, got {value!r}; pass nested lists or a NumPy array"
+        ) from error
 
 
 def positive(value: Any, name: str, *, unit: str = "", or_zero: bool = False) -> float:
@@ -61,3 +70,8 @@ def number(value: Any, name: str) -> float:
     if not isfinite(given):
         raise InvalidInput(f"{name} must be finite, got {value!r}; pass an ordinary number")
     return given
+
+
+def _objects(array: npt.NDArray[Any]) -> list[Any]:
+    """Elements of an array of any Python objects; none of an array of numbers."""
+    return array.ravel().tolist() if array.dtype == object else []

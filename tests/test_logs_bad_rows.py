@@ -105,6 +105,8 @@ def test_a_ragged_row_does_not_begin_a_trial(tmp_path):
     [
         ("F1x,f1y,t1z", BEAM, "column f1x must be there.*did you mean 'F1x'.*--map f1x=F1x"),
         ("f1x,f1y,t1z,f2x,f2y", BEAM, "column t2z must be there"),
+        ("f1x,f1y,f1z,t1x,t1y,t1z,r1x,r1y", Layout(), "none of that name; rename a column or map"),
+        ("f1x,f1y,T1z,r1x", Layout(forces_only=True), "column r1y must.*; rename a column or map"),
         ("f1x,f1y,t1z,f3x,f3y,t3z", Layout(), "column f2x must be there"),
         ("f1x,f1y,t1z", Layout(), "column r1x must be there.*--grips"),
         ("f1x,f1y,t1z", BEAM, "grips must be 2 or 3 numbers for each of 1 effectors, got 4"),
@@ -147,6 +149,8 @@ def test_a_file_that_is_none_is_refused(tmp_path):
         ("a.npz", b"abc", "must be an NPZ file"),
         ("a.parquet", b"abc", "must be a Parquet file"),
         ("a.csv", "f1x;Kraft für\n".encode("latin-1"), "line 1 must be UTF-8"),
+        ("a.csv", b"", "a.csv, line 1 must name the columns, got an empty file"),
+        ("a.csv", b"\xef\xbb\xbf\r\nf1x,f1y\r\n1,2\r\n", "line 1 must name .* got a blank line"),
     ):
         if content is not None:
             (tmp_path / name).write_bytes(content)
@@ -163,6 +167,7 @@ def test_arrays_must_fit_each_other_and_hold_numbers(tmp_path):
         ({"force": np.zeros((5, 2, 4))}, "'force' must be of a documented shape"),
         ({"twist": np.zeros((4, 3))}, "'twist' must be as long as the others"),
         ({"twist": np.zeros((5, 3))}, "vx must be there once"),
+        ({"grips": np.array([["a", "b"], ["c", "d"]])}, r"a\.npz, array 'grips' must hold numbers"),
         ({"grips": np.zeros((2, 2)), "f2x": np.array([None] * 5)}, "must be an NPZ file of plain"),
     ):
         path = cases.save(columns | change, tmp_path / "a.npz")
@@ -215,3 +220,13 @@ def test_a_part_of_a_twist_says_how_to_leave_out_the_rest(tmp_path):
     assert "--map vy= omega=" in complaint(path)
     left_out = Layout(grips=cases.BEAM, columns={"vy": "", "omega": ""})
     assert read(path, left_out).twist is None
+
+
+def test_grips_of_an_archive_are_complained_of_with_its_name(tmp_path):
+    for grips, says in (
+        (np.full((2, 2), np.nan), r"a\.npz: grips must be finite"),
+        (np.zeros((5, 1)), r"a\.npz: grips must be 2 or 3 numbers for each of 2 effectors"),
+    ):
+        path = cases.save(cases.planar(5) | {"grips": grips}, tmp_path / "a.npz")
+        with pytest.raises(InvalidInput, match=says):
+            read(path)

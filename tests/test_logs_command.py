@@ -38,6 +38,20 @@ def test_it_prints_a_summary_and_leaves_table_and_picture(tmp_path, capsys):
     assert (tmp_path / "trial.decomposed.png").exists()
 
 
+def test_the_summary_fits_eighty_columns(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    columns = cases.planar()
+    columns |= {name: 1.234e-6 * columns[name] for name in columns if name[0] in "ftv"}
+    columns["time"] = cases.planar()["time"]
+    path = cases.save(columns, tmp_path / "trial.csv")
+    assert run("decompose", path, "--grips", *cases.BEAM, "--no-picture") == 0
+    lines = capsys.readouterr().out.splitlines()
+    heading = next(line for line in lines if "median" in line)
+    assert heading.split() == ["mean", "median", "5", "%", "95", "%", "largest", "undefined"]
+    assert not any("…" in line for line in lines)
+    assert max(map(len, lines[:-1])) <= 80
+
+
 def test_options_may_come_from_a_file(tmp_path, capsys):
     path = cases.save(cases.planar(), tmp_path / "trial.npz")
     (tmp_path / "lab.toml").write_text('force = "kN"\ngrips = [[-0.9, 0], [0.9, 0]]\n')

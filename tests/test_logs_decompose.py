@@ -69,6 +69,30 @@ def test_the_table_is_a_recording_itself(suffix, tmp_path):
         np.testing.assert_array_equal(one[name], other[name], err_msg=name)
 
 
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_the_table_needs_no_option_whatever_was_left_out(suffix, tmp_path):
+    columns = cases.planar() | {name: np.ones(40) for name in ("f1z", "t1x", "f0", "t2y", "r1x")}
+    columns["Fx"] = columns.pop("f2x")
+    mapping = {"f2x": "Fx", "vx": "", "vy": "", "omega": "", "time": "", "r1x": ""}
+    layout = Layout(grips=cases.BEAM, space="plane", columns=mapping)
+    path = cases.save(columns, tmp_path / f"trial{suffix}")
+    first = decompose_file(path, layout=layout, picture=False)
+    assert set(first.left_out) == {"f1z", "t1x", "t2y", "vx", "vy", "omega", "time", "r1x"}
+    again = decompose_file(first.table, tmp_path / f"again{suffix}", picture=False)
+    one, other = cases.load(first.table), cases.load(again.table)
+    assert set(one) == set(other)
+    assert "f0" in one
+    np.testing.assert_array_equal(one["internal_f1y"], other["internal_f1y"])
+
+
+def test_a_picture_of_an_earlier_table_is_pointed_out(tmp_path):
+    path = cases.save(cases.planar(), tmp_path / "trial.csv")
+    assert decompose_file(path, layout=BEAM, picture=False).old_picture is None
+    (tmp_path / "trial.decomposed.png").touch()
+    old = decompose_file(path, layout=BEAM, picture=False).old_picture
+    assert old == tmp_path / "trial.decomposed.png"
+
+
 def test_the_table_stands_beside_the_file_with_its_picture(tmp_path):
     pytest.importorskip("matplotlib")
     path = cases.save(cases.planar(), tmp_path / "trial.csv")

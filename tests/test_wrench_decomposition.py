@@ -142,6 +142,9 @@ def test_decompositions_survive_pickling_and_show_what_they_are():
         ([[np.nan, 0, 0], [0, 0, 0]], r"applied must be finite, got nan at index \(0, 0\)"),
         ([[np.inf, 0, 0], [0, 0, 0]], "applied must be finite, got inf"),
         ("wrench", "applied must be an array of numbers"),
+        (np.ones((2, 3), dtype=complex), "applied must be an array of numbers"),
+        ([["1", "2", "3"], ["4", "5", "6"]], "applied must be an array of numbers"),
+        (np.array([[1, 2, 3], [4, 5, "6"]], dtype=object), "applied must be an array of numbers"),
     ],
 )
 def test_bad_wrenches_are_refused(applied, message):

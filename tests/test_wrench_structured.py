@@ -250,3 +250,19 @@ def test_iterations_hardly_grow_with_the_number_of_effectors():
         applied, grips = rng.normal(size=(10, n, 6)), rng.normal(size=(1, n, 3))
         steps.append(structured.iterate(applied, grips, Settings())[1][:, 3].mean())
     assert steps[-1] <= 3.0 * steps[0]
+
+
+@pytest.mark.parametrize("include_induced", [False, True])
+def test_the_gap_reaches_the_optimum_where_one_lever_is_very_short(include_induced):
+    rng = np.random.default_rng(8)
+    applied = rng.integers(-4, 5, (1000, 2, 3)) / 2.0
+    grips = np.zeros((1000, 2, 2))
+    grips[:, 1, 0] = -(10.0 ** rng.uniform(-5.0, -2.0, 1000))
+    grips[:, 0, 0] = rng.integers(0, 3, 1000) / 2.0
+    applied[0], grips[0] = [[1, 0.5, 2], [0, -0.5, 0]], [[0, 0], [-1.284027e-4, 0]]
+    settings = {"include_induced": include_induced}
+    ours, exact = solve(applied, grips, **settings), solve(applied, grips, "pair", **settings)
+    outside = np.abs(ours.cost - exact.cost) - ours.gap
+    assert (outside <= 1e-12 * exact.applied_cost).all()
+    if include_induced:
+        assert 1e-7 < ours.gap[0] < 1e-4  # some, and no more than is needed

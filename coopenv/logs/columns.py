@@ -18,6 +18,7 @@ TWIST = {
 }
 WHOLE = {"time", "theta", *POSITION[3], *ORIENTATION[3], *TWIST[2], *TWIST[3]}
 EFFECTOR = re.compile(r"([ftr])([1-9]\d*)([xyz])")
+NUMBERED = re.compile(r"[ftr]\d+[xyz]")  # from any number
 QUANTITY = {"f": "force", "t": "torque", "r": "length"}
 
 INPUT = (  # name in the plane, in space, unit, meaning
@@ -69,6 +70,7 @@ class Plan:
     factor: dict[str, float]  # documented name -> factor to SI units, sign included
     required: frozenset[str]  # documented names that must be finite in a good row
     carried: tuple[str, ...]  # columns of the file
+    unused: tuple[str, ...]  # columns with a documented name that mean nothing here
     grips_vary: bool  # whether they are columns
 
     def has(self, names: Sequence[str]) -> bool:
@@ -101,6 +103,7 @@ def plan(path: str, columns: Sequence[str], layout: Layout, grips: bool = False)
         If a column is missing or said twice; the message names the nearest there is.
     """
     found = _find(path, columns, layout)
+    _refuse_zero(path, columns, found)
     need = _Need(path, columns, found)
     for name in ("f1x", "f1y"):
         need(name)
@@ -115,6 +118,7 @@ def plan(path: str, columns: Sequence[str], layout: Layout, grips: bool = False)
         factor={},
         required=frozenset(),
         carried=(),
+        unused=(),
         grips_vary=layout.grips is None and not grips,
     )
     groups = [*made.effector_names("f")]
@@ -153,13 +157,16 @@ def _filled(
         scale = 1.0 if kind == "none" else layout.factor(kind)
         factor[name] = -scale if negated else scale
     taken = set(source.values())
+    rest = [name for name in columns if name not in taken]
+    unused = [name for name in rest if is_documented(name) or NUMBERED.fullmatch(name)]
     return Plan(
         num_effectors=made.num_effectors,
         dimension=made.dimension,
         source=source,
         factor=factor,
         required=frozenset(required),
-        carried=tuple(name for name in columns if name not in taken),
+        carried=tuple(name for name in rest if name not in unused),
+        unused=tuple(unused),  # carried, they would mean something where the table is read again
         grips_vary=made.grips_vary,
     )
 
@@ -185,6 +192,16 @@ def _find(path: str, columns: Sequence[str], layout: Layout) -> dict[str, str]:
         if found.get(theirs) == theirs and theirs not in layout.columns and theirs != name:
             del found[theirs]  # its own name would mean something else
     return found
+
+
+def _refuse_zero(path: str, columns: Sequence[str], found: dict[str, str]) -> None:
+    """Raise where effectors count from 0; the first would be overlooked."""
+    zero = [name for name in columns if re.fullmatch(r"[ft]0[xyz]", name)]
+    if zero and not set(zero) & set(found.values()):
+        raise InvalidInput(
+            f"{path}: effectors are numbered from 1, got column {zero[0]!r}; rename the columns or "
+            f"map all of them, --map f1x=f0x f2x=f1x …; has: {_listed(columns)}"
+        )
 
 
 def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
@@ -255,10 +272,24 @@ def _some(found: dict[str, str], kind: str) -> str:
 
 def _hint(name: str, columns: Sequence[str], like: str = "") -> str:
     """The column nearest to the name or to what is like it, and all there are."""
-    lower = {column.lower(): column for column in columns}
+    lower = {column.lower(): column for column in columns if like or not _taken(name, column)}
     nearest = get_close_matches((like or name).lower(), lower, n=1, cutoff=0.5)
-    listed = ", ".join(columns[:30]) + (" …" if len(columns) > 30 else "")
     if nearest:
         theirs = lower[nearest[0]]
-        return f"did you mean {theirs!r}? rename it or map it, --map {name}={theirs}; has: {listed}"
-    return f"rename a column or map it, --map {name}=COLUMN; has: {listed}"
+        return (
+            f"did you mean {theirs!r}? rename it or map it, --map {name}={theirs}; has: "
+            f"{_listed(columns)}"
+        )
+    return f"rename a column or map it, --map {name}=COLUMN; has: {_listed(columns)}"
+
+
+def _taken(name: str, column: str) -> bool:
+    """Whether a column is something else than ``name`` by its own name."""
+    if is_documented(column):
+        return True
+    other, own = EFFECTOR.fullmatch(column.lower()), EFFECTOR.fullmatch(name)
+    return other is not None and own is not None and other[1] != own[1]
+
+
+def _listed(columns: Sequence[str]) -> str:
+    return ", ".join(columns[:30]) + (" …" if len(columns) > 30 else "")

@@ -35,6 +35,11 @@ class CsvSource:
             header = file.readline()
             self._body = file.tell()
         text = self._decode(header.removeprefix(b"\xef\xbb\xbf"), "line 1")
+        if not text.strip():
+            seen = "a blank line" if header.endswith(b"\n") else "an empty file"
+            raise InvalidInput(
+                f"{path}, line 1 must name the columns, got {seen}; begin the file with its header"
+            )
         if "\r" in text:
             raise InvalidInput(
                 f"{path}: lines must end with a line feed, got carriage returns alone; save the "

@@ -55,18 +55,13 @@ class NpzSource:
     def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
         """Read all arrays side by side."""
         for name in numbers:
-            kind = self._arrays[self._columns[name][0]].dtype
-            if kind.kind not in "fiu":
-                raise InvalidInput(
-                    f"{self._path}, array {self._columns[name][0]!r} must hold numbers, got {kind};"
-                    " convert it"
-                )
+            self._require_numbers(self._columns[name][0])
         wanted = dict.fromkeys(self._columns[name][0] for name in (*numbers, *carried))
         with zipfile.ZipFile(self._path) as archive, ExitStack() as stack:
             files = {name: self._arrays[name].open(archive, stack) for name in wanted}
             for first in range(0, self._rows, CHUNK_ROWS):
                 rows = min(CHUNK_ROWS, self._rows - first)
-                read = {name: files[name].read(rows) for name in wanted}
+                read = self._read(files, rows)
                 pick = {
                     name: read[self._columns[name][0]][(slice(None), *self._columns[name][1])]
                     for name in (*numbers, *carried)
@@ -82,12 +77,28 @@ class NpzSource:
                     text=value_of(values),
                 )
 
+    def _read(self, files: dict[str, "_Rows"], rows: int) -> dict[str, npt.NDArray[Any]]:
+        """The next rows of some arrays."""
+        try:
+            return {name: file.read(rows) for name, file in files.items()}
+        except InvalidInput as error:
+            raise InvalidInput(f"{self._path}: {error}") from error
+
+    def _require_numbers(self, name: str) -> None:
+        kind = self._arrays[name].dtype
+        if kind.kind not in "fiu":
+            raise InvalidInput(
+                f"{self._path}, array {name!r} must hold numbers, got {kind}; convert it"
+            )
+
     def _constant_grips(self, archive: zipfile.ZipFile) -> FloatArray | None:
         array = self._arrays.get("grips")
         if array is None or len(array.shape) != 2:
             return None
+        self._require_numbers("grips")
         with ExitStack() as stack:
-            return array.open(archive, stack).read(array.shape[0]).astype(np.float64)
+            rows = {"grips": array.open(archive, stack)}
+            return self._read(rows, array.shape[0])["grips"].astype(np.float64)
 
     def _length(self) -> int:
         """Number of rows: that of the forces, which every recording has."""

@@ -125,7 +125,7 @@ class Reader:
             self.path, self._source.columns, self.layout, self._source.grips is not None
         )
         self.faults = Faults(self.path, self._source.columns, self.plan, bad_rows)
-        self.left_out = self._source.left_out
+        self.left_out = [*self._source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
 
@@ -162,8 +162,11 @@ class Reader:
         in_file, plan = self._source.grips, self.plan
         if in_file is None:
             return self.layout.grips_of(plan.num_effectors)
-        layout = replace(self.layout, grips=tuple(in_file.ravel().tolist()), space="auto")
-        grips = layout.grips_of(plan.num_effectors)
+        try:
+            layout = replace(self.layout, grips=tuple(in_file.ravel().tolist()), space="auto")
+            grips = layout.grips_of(plan.num_effectors)
+        except InvalidInput as error:
+            raise InvalidInput(f"{self.path}: {error}") from error
         assert grips is not None
         if self.layout.space == "plane":
             grips = grips[:, :2]

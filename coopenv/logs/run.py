@@ -60,7 +60,8 @@ def decompose_file(
     settings = settings if settings is not None else Settings()
     reader = Reader(path, layout, bad_rows=bad_rows)
     drawing = Picture(f"{path.name}, {settings.method}") if picture else None
-    image = table.with_suffix(".png") if picture else None
+    beside = table.with_suffix(".png")
+    image = beside if picture else None
     with ExitStack() as stack:
         part = stack.enter_context(written(table))
         image_part = None if image is None else stack.enter_context(written(image))
@@ -80,6 +81,7 @@ def decompose_file(
         bad_rows=reader.faults.count,
         first_bad=reader.faults.first.partition(";")[0],
         left_out=tuple(reader.left_out),
+        old_picture=beside if image is None and beside.is_file() else None,
     )
 
 

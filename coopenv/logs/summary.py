@@ -57,7 +57,8 @@ class Summary:
     gap: float  # largest bound on how much a cost exceeds the optimum [N]
     worst: Worst
     measures: tuple[Measure, ...]
-    left_out: tuple[str, ...]  # what the file holds beside columns
+    left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used
+    old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
         """For people."""
@@ -68,16 +69,19 @@ class Summary:
             raise MissingExtra("the summary", "analysis") from error
         for line in self._lines():
             console.print(line, markup=False, highlight=False)
-        table = Table(box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False)
-        table.add_column("", no_wrap=True)
+        table = Table(box=SIMPLE_HEAD, padding=0, pad_edge=False)
+        longest = max(len(seen.name) for seen in self.measures)
+        table.add_column("", min_width=longest)  # units go to the next line where there is no room
         for title in ("mean", "median", "5 %", "95 %", "largest", "undefined"):
             table.add_column(title, justify="right", no_wrap=True)
         for seen in self.measures:
             name = seen.name + (f" [{seen.unit}]" if seen.unit else "")
             numbers = (seen.mean, seen.median, seen.low, seen.high, seen.largest)
-            cells = ["-" if np.isnan(value) else f"{value:.4g}" for value in numbers]
+            cells = ["-" if np.isnan(value) else f"{value:.3g}" for value in numbers]
             table.add_row(name.replace("[", "\\["), *cells, f"{100 * seen.undefined:.1f} %")
-        console.print(table)
+        room = console.options.update(width=10 * console.width)
+        least = console.measure(table, options=room).minimum
+        console.print(table, width=max(console.width, least), crop=False)  # never cut a column
 
     def _lines(self) -> list[str]:
         rows = f"{self.rows:,} rows"
@@ -89,7 +93,9 @@ class Summary:
         if self.bad_rows:
             lines.append(f"{self.bad_rows:,} bad rows are NaN; the first: {self.first_bad}")
         if self.left_out:
-            lines.append(f"left out, as no columns: {', '.join(self.left_out)}")
+            lines.append(f"left out, as no columns or not used: {', '.join(self.left_out)}")
+        if self.old_picture is not None:
+            lines.append(f"{self.old_picture} was there before and shows another table")
         worst = self.worst
         lines.append(
             f"worst residuals: balance {worst.balance:.1e} N or N·m, force {worst.force:.1e} N, "
@@ -134,6 +140,7 @@ class Collector:
         bad_rows: int,
         first_bad: str,
         left_out: tuple[str, ...],
+        old_picture: Path | None = None,
     ) -> Summary:
         """All of it."""
         return Summary(
@@ -151,6 +158,7 @@ class Collector:
             worst=self._worst,
             measures=tuple(kept.measure(name) for name, kept in self._columns.items()),
             left_out=left_out,
+            old_picture=old_picture,
         )
 
     def _add_time(self, recording: Recording) -> None:

@@ -33,6 +33,7 @@ LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
 EVENED = 1e-15  # resultant of g from which on it is not corrected any more
 BALANCED = 1e-13  # largest resultant of an answer's g
 NOISE = 1e-28  # square of an internal part that may point anywhere
+SLACK = 5e-13  # what `undercut` takes for ε: more than there is, as the multipliers lag behind
 
 
 @compiled
@@ -104,6 +105,20 @@ def saving(k, part):
         difference += g0 * (2.0 * v0 - g0)
         total += row[PRICE] * difference / max(sqrt(before) + sqrt(after), TINY)
     return total
+
+
+@compiled
+def undercut(system, saved):
+    """Estimate how far below J* an answer's cost may be, as it is balanced only to rounding.
+
+    A slack ε in torque is worth ε‖ν‖, ν being the multipliers of its balance, which are huge where
+    only a very short lever could compensate a torque. Never more than all that is saved, since
+    J* ≤ J(h).
+    """
+    square = 0.0
+    for r in range(3, 6):
+        square += system[NU, r] * system[NU, r]
+    return min(max(saved, 0.0), SLACK * sqrt(square))
 
 
 @compiled

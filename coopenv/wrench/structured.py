@@ -11,7 +11,9 @@ better answer is kept; the bound stays our own.
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
 left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds
 to 1e-13. Where the feasible set is thin, rounding of the wrench moves the optimum by the root of
-it, 1e-8 to 1e-7 of the cost, as for wrenches that agree but for rounding.
+it, 1e-8 to 1e-7 of the cost, as for wrenches that agree but for rounding. With a very short lever
+the slack in balance becomes slack/lever of force, and the answer may be 1e-6 to 1e-5 of the cost
+cheaper than the optimum; the gap contains an estimate of that (`certificate.undercut`).
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """
@@ -68,6 +70,7 @@ def _solve(
         if answer is not None:
             manipulation[index], gap[index] = answer
             fell_back[index] = True
+    gap += report[:, 4]  # afterwards, as `conic` has no remedy against it
     shape = (*batch, *applied.shape[-2:])
     return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
 
@@ -96,11 +99,12 @@ def iterate(
 
     Returns
     -------
-    Manipulation wrenches, and ``(m, 4)``: gap [N], applied cost [N], cost [N], iterations.
+    Manipulation wrenches, and ``(m, 5)``: gap [N], applied cost [N], cost [N], iterations, and by
+    how much rounding may have brought the cost below the optimum [N].
     """
     # one signature to compile for: C order, writeable
     applied, grips = (np.require(array, requirements=["C", "W"]) for array in (applied, grips))
-    manipulation, report = np.empty_like(applied), np.empty((len(applied), 4))
+    manipulation, report = np.empty_like(applied), np.empty((len(applied), 5))
     weight, induced = settings.torque_weight, float(settings.include_induced)
 
     def solve(part: slice) -> None:
@@ -134,7 +138,7 @@ def _fall_back(
     internal = applied - answer
     answer = applied - _plausible_part(internal, applied, grips) * internal
     cost = _cost(answer, grips, settings)
-    gap, _, own_cost, _ = report
+    gap, _, own_cost, *_ = report
     return (answer, float(cost - own_cost + gap)) if cost < own_cost else None
 
 

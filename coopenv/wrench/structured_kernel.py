@@ -21,7 +21,7 @@ from coopenv.wrench import (
     second_order,
 )
 from coopenv.wrench.blocks import WIDTH, fill, write
-from coopenv.wrench.certificate import saving
+from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
 from coopenv.wrench.second_order import compiled
 
@@ -35,7 +35,9 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
     write(k, wrench, force, length, manipulation)
     unit = cost * force
     report[0], report[1] = gap * unit, unit
-    report[2], report[3] = (1.0 - saving(k, blocks.ANSWER)) * unit, steps
+    saved = saving(k, blocks.ANSWER)
+    report[2], report[3] = (1.0 - saved) * unit, steps
+    report[4] = unit * undercut(system, saved) if steps > 0 else 0.0
 
 
 @intrinsic
@@ -89,5 +91,5 @@ solve_batch = _compile_batch()
 
 Parameters are ``(m, n, k)`` wrenches, ``(m, n, d)`` grips, or ``(1, n, d)`` for all, the weights,
 and the wanted gap relative to J(h). Written are the manipulation wrenches ``(m, n, k)`` and
-``(m, 4)``: gap, applied cost and cost [N], iterations.
+``(m, 5)``: gap, applied cost and cost [N], iterations, and by how much slack may undercut J* [N].
 """

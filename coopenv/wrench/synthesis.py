@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, finite_array
+from coopenv.arrays import BoolArray, FloatArray, finite_array, number_array
 from coopenv.errors import InvalidInput
 from coopenv.wrench import pair, synthesis_pair, synthesis_shares
 from coopenv.wrench.grasp import checked_grips, require_batch, sum_at_centre, wrench_size
@@ -30,8 +30,10 @@ def synthesize(
 
     `decompose` of the result returns ``object_wrench`` and ``internal``, `load_share` the shares.
 
-    - Without internal wrench, any number of effectors in plane and space: forces along the
-      resultant, pure torques along what the forces leave over. Then nothing can be internal.
+    - Without internal wrench, any number of effectors in plane and space. Only wrenches of one form
+      are searched: forces along the resultant, pure torques along what the forces leave over. Then
+      nothing can be internal. Wishes that need a pair of forces across the resultant besides are
+      refused though some wrench fulfils them, unless the grips are as follows.
     - With it, two planar effectors on a line through the centre of mass: every wish that any
       wrench fulfils. Internal force along f_o needs an effector that pulls against f_o, whose
       share is then 0 (eqs. 9, 25); across f_o it goes with any force share where the line allows.
@@ -58,8 +60,9 @@ def synthesize(
     Raises
     ------
     InvalidInput
-        If a shape or a number is wrong, or a wish is out of reach; the message names the wish that
-        stands in the way, and how far one gets without it.
+        If a shape or a number is wrong, or no wrench of the form that is searched fulfils the
+        wish; the message names the wish that stands in the way, for a pair on a line also how far
+        one gets without it.
 
     Source: posed as open in Donner, Endo & Buss 2018, section VII; the solution is our own.
     """
@@ -174,17 +177,18 @@ def _reason(wish: _Wish) -> str:
 
 
 def _limit(wish: _Wish) -> str:
-    """Say why a wish for anything but a pair on an axis was not fulfilled."""
+    """Say why a wish for anything but a pair on an axis was not fulfilled by the form searched."""
     if wish.internal[0].any():
         return (
             "internal must be 0 or left out unless the grips are two planar positions on one line "
             f"through the centre of mass, got {wish.internal[0].tolist()} for grips "
-            f"{wish.grips[0].tolist()}; give shares only"
+            f"{wish.grips[0].tolist()}, for which none is searched; give shares only"
         )
     return (
-        "torque_share must leave pure torques that do not cancel each other where the forces lie "
-        f"along the resultant, got {wish.torque_share[0].tolist()} with force_share "
-        f"{wish.force_share[0].tolist()}; change either, or leave one out"
+        "torque_share must be reached by forces along the resultant and pure torques that do not "
+        f"cancel each other, got {wish.torque_share[0].tolist()} with force_share "
+        f"{wish.force_share[0].tolist()}, which no wrench of this form has (one with forces across "
+        "the resultant may; they are not searched); change either, or leave one out"
     )
 
 
@@ -208,11 +212,7 @@ def _checked_share(share: Any, name: str, grips: FloatArray) -> FloatArray:
     num_effectors = grips.shape[-2]
     if share is None:
         return np.full(num_effectors, np.nan)
-    try:
-        array = np.array(share, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidInput(f"{name} must be numbers, got {share!r}; pass an array") from error
-    array = _shaped(array, name, (num_effectors,), grips)
+    array = _shaped(number_array(share, name), name, (num_effectors,), grips)
     opened = np.isnan(array).all(axis=-1)
     with np.errstate(invalid="ignore"):
         good = (array >= 0.0).all(axis=-1) & (np.abs(array.sum(axis=-1) - 1.0) <= ROUNDING)
