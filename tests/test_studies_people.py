@@ -15,7 +15,7 @@ from coopenv.agents.studies.dyads import GUIDES, quadrant_shares
 from coopenv.agents.studies.dyads_config import DyadsConfig
 from coopenv.agents.studies.dyads_simulation import simulate
 from coopenv.agents.studies.people import Pairs, People
-from coopenv.agents.studies.trials import read_trials
+from coopenv.agents.studies.reading import read_trials
 from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 

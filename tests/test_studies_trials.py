@@ -8,7 +8,7 @@ pytest.importorskip("pyarrow")
 
 from study_trials import DT, STEPS, make_trials
 
-from coopenv.agents.studies import trials
+from coopenv.agents.studies import reading, trials
 from coopenv.errors import InvalidInput
 from coopenv.logs import Layout
 from coopenv.scene import Box
@@ -19,7 +19,7 @@ def test_trials_come_back_from_files_in_order(tmp_path):
     table[table["pair"] == 0].to_csv(tmp_path / "a.csv", index=False)
     backwards = table.sort_values(["condition", "trial", "time"], ascending=[False, False, True])
     backwards[backwards["pair"] == 1].to_parquet(tmp_path / "b.parquet")
-    found = trials.read_trials([tmp_path / "b.parquet", tmp_path / "a.csv"])
+    found = reading.read_trials([tmp_path / "b.parquet", tmp_path / "a.csv"])
     expected = table.sort_values(["pair", "condition", "trial", "time"], ignore_index=True)
     pd.testing.assert_frame_equal(found, expected, check_like=True, check_dtype=False)
 
@@ -40,7 +40,7 @@ def test_files_may_have_other_units_names_and_frames(tmp_path):
         columns={"time": "t"}, trial_columns=("dyad", "condition", "trial"), time="ms",
         angle="deg", frame="world", grips=(-1.0, 0.0, 1.0, 0.0),
     )  # fmt: skip
-    found = trials.read_trials([tmp_path / "lab.csv"], layout)
+    found = reading.read_trials([tmp_path / "lab.csv"], layout)
     expected = trials.checked_trials(table)
     pd.testing.assert_frame_equal(found, expected, check_like=True, check_dtype=False)
 
@@ -116,13 +116,13 @@ def test_a_bad_table_is_refused(change, message):
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path):
     with pytest.raises(InvalidInput, match=r"gone\.csv"):
-        trials.read_trials([tmp_path / "gone.csv"])
+        reading.read_trials([tmp_path / "gone.csv"])
     bad = tmp_path / "bad.csv"
     bad.write_text("a,b\n1,2\n")
     with pytest.raises(InvalidInput, match=r"bad\.csv.*column"):
-        trials.read_trials([bad])
+        reading.read_trials([bad])
     make_trials(pairs=1).drop(columns=["pair", "theta"]).to_csv(bad)
     with pytest.raises(InvalidInput, match=r"bad\.csv.*none for pair, theta"):
-        trials.read_trials([bad])
+        reading.read_trials([bad])
     with pytest.raises(InvalidInput, match="got none"):
-        trials.read_trials([])
+        reading.read_trials([])

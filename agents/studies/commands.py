@@ -142,9 +142,9 @@ class Dyads:
     def _recorded(self) -> "Table":
         from coopenv.logs import Layout
 
-        from . import trials
+        from . import reading, trials
 
-        table = trials.read_trials(self.files, Layout.load(self.layout))
+        table = reading.read_trials(self.files, Layout.load(self.layout))
         if self.platform is None:
             return table
         x, y, width, height = self.platform
