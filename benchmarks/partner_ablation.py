@@ -72,7 +72,7 @@ class Ablation:
     out: Path = Path("runs/partner_ablation")
     """Folder for policies, table and curves."""
     training: TrainConfig = field(
-        default_factory=lambda: TrainConfig(control="partner", steps=600_000)
+        default_factory=lambda: TrainConfig(control="partner", steps=300_000)
     )
 
     def check(self) -> None:
