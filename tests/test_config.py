@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -192,7 +193,8 @@ def test_the_words_for_senses_keep_the_blocks_that_a_task_brings(task, word):
 
 def test_a_sensor_may_name_a_block_that_the_task_brings():
     (gap,) = DoorwayTask().blocks
-    for entry in (coopenv.Sensor("gap", noise=0.1), {"block": "gap", "noise": 0.1}):
+    entries: tuple[Any, ...] = (coopenv.Sensor("gap", noise=0.1), {"block": "gap", "noise": 0.1})
+    for entry in entries:
         (seen,) = TransportConfig(task=DoorwayTask(), scene=HALL, observe=(entry,)).observe
         assert seen == coopenv.Sensor(gap, noise=0.1)
 
