@@ -242,6 +242,13 @@ def without_news(core):
         quiet[~told.any(axis=1), blocks["goal"]] = True
     if "twist" in blocks and core.bodies[0].nonholonomic:  # no sideways velocity
         quiet[:, blocks["twist"].start + 1] = True
+    if "body" in blocks:  # a grip at the centre of mass stays there
+        first, central = blocks["body"].start, ~core.team.grips[0].any(axis=-1)
+        quiet[central, first + 6] = True
+        for i in np.flatnonzero(central):
+            for other in range(1, core.num_agents):
+                place = first + 9 + 4 * (other - 1)
+                quiet[(i - other) % core.num_agents, place : place + 2] = True
     return quiet
 
 

@@ -140,7 +140,7 @@ def test_any_internal_wrench_goes_with_any_object_wrench_where_shares_are_open(l
         ({"force_share": [0.5, 0.6]}, "force_share must not be negative and sum to 1"),
         ({"force_share": [1.5, -0.5]}, "force_share must not be negative and sum to 1"),
         ({"force_share": [np.nan, 0.5]}, "force_share must not be negative and sum to 1"),
-        ({"force_share": "half"}, "force_share must be numbers"),
+        ({"force_share": "half"}, "force_share must be an array of numbers"),
         ({"torque_share": [1.0]}, r"torque_share must be of shape \(\.\.\., 2\)"),
         ({"torque_share": [0.5, 0.5]}, "torque_share must be left out where object_wrench has no"),
         ({"internal": [[1, 0, 0], [0, 0, 0]]}, "internal must balance"),
