@@ -243,6 +243,32 @@ def test_a_refused_action_moves_neither_the_world_nor_the_partner():
         assert_same(cores[0].step(action), cores[1].step(action))
 
 
+class Exhausted(Steady):
+    """Gives nothing of use where an episode has ended."""
+
+    def player(self, config, num_worlds, agents):
+        return ExhaustedPlayer(np.tile(self.wrench, (num_worlds, len(agents), 1)))
+
+
+class ExhaustedPlayer(SteadyPlayer):
+    def act(self, transition):
+        ended = transition.terminated | transition.truncated
+        return np.where(ended[:, None, None], np.nan, super().act(transition))
+
+
+@pytest.mark.parametrize("partner", ["leader", None, Exhausted((1.0, 2.0, 0.5))])
+def test_what_is_given_in_a_world_that_begins_anew_is_ignored_whatever_it_is(partner):
+    cores = [Transport(num_worlds=2, partner=partner, horizon=1) for _ in "ab"]
+    restart, size = np.array([True, True]), (2, len(cores[0].learners), 3)
+    for core in cores:
+        core.reset(seed=0)
+        core.step(np.zeros(size))
+    assert_same(
+        cores[0].step(np.full(size, np.nan), restart=restart),
+        cores[1].step(np.zeros(size), restart=restart),
+    )
+
+
 @pytest.mark.parametrize(
     ("wrench", "said"),
     [
