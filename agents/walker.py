@@ -132,7 +132,7 @@ class WalkerController:
             )
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, agent, action_size)``."""
+        """Actions ``(world, learner, action_size)``."""
         return self._actions(self.applied(transition), transition)
 
     def applied(self, transition: Transition) -> FloatArray:
@@ -176,7 +176,8 @@ class WalkerController:
     def _actions(self, applied: FloatArray, transition: Transition) -> FloatArray:
         team = transition.team
         action = frames.actions_from_wrenches(applied, team.frame, team.limits, self._width)
-        return np.clip(action, -1.0, 1.0)
+        clipped = np.clip(action, -1.0, 1.0)
+        return clipped if self.config.partner is None else clipped[:, list(self.config.learners)]
 
 
 def _damping(distance: FloatArray, reach: float) -> FloatArray:

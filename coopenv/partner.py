@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from coopenv.arrays import FloatArray, IntArray, finite_array
+from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array
 from coopenv.errors import InvalidInput
 from coopenv.info import Info
 from coopenv.transition import Transition
@@ -97,8 +97,12 @@ class Company:
         """Start an episode in ``worlds``."""
         self.player.reset(worlds, generators, start)
 
-    def joint(self, action: npt.NDArray[Any], before: Transition) -> FloatArray:
+    def joint(
+        self, action: npt.NDArray[Any], before: Transition, restart: BoolArray | None = None
+    ) -> FloatArray:
         """All agents' actions ``(world, agent, a)``, given those of the learners.
+
+        In the worlds that ``restart`` marks, the partner's are zero whatever it gave.
 
         Raises
         ------
@@ -113,6 +117,8 @@ class Company:
                 f"wrenches of the partner must have shape (world, driven agent, 3) = "
                 f"{self._shape}, got {wrench.shape}; give one row for each agent it drives"
             )
+        if restart is not None:
+            wrench = np.where(restart[:, None, None], 0.0, wrench)
         team = before.team
         joint = _joint(given, wrench, self._learners, self._driven, team.frame, team.limits)
         if not np.isfinite(joint).all():

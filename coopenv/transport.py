@@ -291,11 +291,11 @@ class Transport:
                 f"action must have shape (world, agent, {self.action_size}) = {wanted}, "
                 f"got {given.shape}; stack one row an agent that learns"
             )
-        if self._company is not None:
-            assert self.transition is not None
-            given = self._company.joint(given, self.transition)
         if restart is not None:
             given = np.where(restart[:, None, None], 0.0, given)
+        if self._company is not None:
+            assert self.transition is not None
+            given = self._company.joint(given, self.transition, restart)
         clipped, applied, finite = frames.wrenches_from_actions(
             given, self.team.frame, self.team.limits
         )

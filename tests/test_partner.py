@@ -9,9 +9,18 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 from helpers import EASY, NEVER, TRIO, actions, assert_same
 
-from coopenv import Body, Transport, TransportConfig, beam_transport_v0
-from coopenv.agents.controllers import ImpedanceController
+from coopenv import (
+    Body,
+    Transport,
+    TransportConfig,
+    beam_doorway_v0,
+    beam_tracking_v0,
+    beam_transport_v0,
+    walker_avoid_v0,
+    walker_turn_v0,
+)
 from coopenv.agents.partners import PARTNERS, Impedance, Noisy, Population
+from coopenv.agents.scripted import find_controller
 from coopenv.errors import InvalidInput, UnknownName
 
 ID = "coopenv/BeamTransport-v0"
@@ -243,6 +252,32 @@ def test_a_refused_action_moves_neither_the_world_nor_the_partner():
         assert_same(cores[0].step(action), cores[1].step(action))
 
 
+class Exhausted(Steady):
+    """Gives nothing of use where an episode has ended."""
+
+    def player(self, config, num_worlds, agents):
+        return ExhaustedPlayer(np.tile(self.wrench, (num_worlds, len(agents), 1)))
+
+
+class ExhaustedPlayer(SteadyPlayer):
+    def act(self, transition):
+        ended = transition.terminated | transition.truncated
+        return np.where(ended[:, None, None], np.nan, super().act(transition))
+
+
+@pytest.mark.parametrize("partner", ["leader", None, Exhausted((1.0, 2.0, 0.5))])
+def test_what_is_given_in_a_world_that_begins_anew_is_ignored_whatever_it_is(partner):
+    cores = [Transport(num_worlds=2, partner=partner, horizon=1) for _ in "ab"]
+    restart, size = np.array([True, True]), (2, len(cores[0].learners), 3)
+    for core in cores:
+        core.reset(seed=0)
+        core.step(np.zeros(size))
+    assert_same(
+        cores[0].step(np.full(size, np.nan), restart=restart),
+        cores[1].step(np.zeros(size), restart=restart),
+    )
+
+
 @pytest.mark.parametrize(
     ("wrench", "said"),
     [
@@ -294,12 +329,17 @@ def test_partners_compare_by_value_and_configurations_share_no_memory():
     assert_same(run(first, 20), run(second, 20))
 
 
-def test_the_scripted_controller_answers_for_the_learners_only():
-    config = TransportConfig(partner="leader")
+@pytest.mark.parametrize(
+    "module",
+    [beam_transport_v0, beam_doorway_v0, beam_tracking_v0, walker_turn_v0, walker_avoid_v0],
+)
+@pytest.mark.parametrize("driven", [0, 1])
+def test_the_scripted_controller_answers_for_the_learners_only(module, driven):
+    config = module.env(partner="leader", partner_agents=(driven,)).unwrapped.transport.config
     core = Transport(num_worlds=2, config=config)
     obs, _ = core.reset(seed=0)
     assert core.transition is not None
-    action = ImpedanceController(config)(obs, core.transition)
-    assert action.shape == (2, 1, 3)
-    free = ImpedanceController(TransportConfig())(obs, core.transition)
-    np.testing.assert_array_equal(action, free[:, :1])
+    action = find_controller(config)(obs, core.transition)
+    alone = replace(config, partner=None, partner_agents=None)
+    free = find_controller(alone)(obs, core.transition)
+    np.testing.assert_array_equal(action, free[:, [1 - driven]])

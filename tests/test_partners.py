@@ -379,6 +379,8 @@ def test_chance_is_uniform_and_its_branches_are_independent():
         (lambda: Switching(first=Noisy(partner=Switching())), r"first must not switch itself"),
         (lambda: Switching(mean_time=0.0), r"partner.mean_time must be positive"),
         (lambda: Population(members=()), r"partner.members must be a sequence of partners"),
+        (lambda: Population(members=Leader()), r"members must be a sequence of partners"),  # pyright: ignore
+        (lambda: Population(members=5), r"members must be a sequence of partners"),  # pyright: ignore
         (lambda: Population(weights=(1.0,)), r"partner.weights must be .* one for each of 8"),
     ],
 )

@@ -166,5 +166,8 @@ def test_everything_is_written(tmp_path, full):
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     torque = pd.read_csv(tmp_path / "internal_torque.csv")
     assert set(torque["method"]) == set(METHODS)
-    density = np.load(tmp_path / "load_density.npz")
-    assert density["one"].shape == (101, 101)
+    saved = np.load(tmp_path / "load_density.npz")
+    for name, density in zip(saved["condition"], saved["density"], strict=True):
+        np.testing.assert_array_equal(density, full.densities[name].density)
+    assert set(saved["condition"]) == set(full.densities)
+    assert saved["share"].shape == (101,)

@@ -246,7 +246,7 @@ class Population(Kind):
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
-        if isinstance(self.members, Kind) or not self.members:
+        if not isinstance(self.members, Sequence) or not self.members:
             raise InvalidInput(
                 f"partner.members must be a sequence of partners, got {self.members!r}; "
                 "pass for example (Leader(), Follower())"

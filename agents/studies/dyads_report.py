@@ -48,9 +48,7 @@ def write(analysis: DyadAnalysis, out: Path) -> tuple[list[Claim], list[str]]:
     files.append("internal_torque.png")
     if analysis.densities:
         draw_densities(analysis, out / "load_density.png")
-        with written(out / "load_density.npz") as part, part.open("wb") as file:
-            arrays = {name: density.density for name, density in analysis.densities.items()}
-            np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
+        _save_densities(analysis, out / "load_density.npz")
         files += ["load_density.png", "load_density.npz"]
     return found, files
 
@@ -220,6 +218,18 @@ def draw_densities(analysis: DyadAnalysis, path: Path) -> None:
     grid[0, 0].set_ylabel("α_t,1 (torque)")
     figure.colorbar(picture, ax=list(grid[0]), label="density", shrink=0.7)
     save_figure(figure, path)
+
+
+def _save_densities(analysis: DyadAnalysis, path: Path) -> None:
+    """Densities (condition, α_f,1, α_t,1) beside their guides, whatever those are called."""
+    densities = list(analysis.densities.values())
+    with written(path) as part, part.open("wb") as file:
+        np.savez_compressed(
+            file,
+            condition=np.array(list(analysis.densities)),
+            share=densities[0].share,
+            density=np.stack([each.density for each in densities]),
+        )
 
 
 def _beside(

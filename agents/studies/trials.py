@@ -99,8 +99,9 @@ def checked_trials(trials: Table) -> Table:
     if trials.empty:
         raise InvalidInput("trials must hold samples, got none; check the files")
     for name in KEYS:
-        if trials[name].isna().any():
-            row = trials.index[int(trials[name].isna().to_numpy().argmax())]
+        unknown = (trials[name].isna() | (trials[name].astype(str).str.strip() == "")).to_numpy()
+        if unknown.any():
+            row = trials.index[int(unknown.argmax())]
             raise InvalidInput(f"{name} must be known in every row, got none in row {row}; fill it")
     for name in COLUMNS[len(KEYS) :]:
         values = np.asarray(pd.to_numeric(trials[name], errors="coerce"), dtype=np.float64)
@@ -114,14 +115,12 @@ def checked_trials(trials: Table) -> Table:
     number = trial_numbers(ordered)
     same = (np.diff(number) == 0) & (np.diff(ordered["time"].to_numpy(np.float64)) <= 0)
     if same.any():
-        key = ordered.loc[int(same.argmax()), list(KEYS)].tolist()
+        key = tuple(str(ordered[name].iloc[int(same.argmax())]) for name in KEYS)
         raise InvalidInput(
             f"time must increase within a trial, got {ordered['time'][int(same.argmax())]} s twice "
             f"in (pair, condition, trial) {key}; number repeated trials"
         )
-    if "first" in ordered.columns:
-        _check_first(ordered)
-    return ordered
+    return _with_first(ordered) if "first" in ordered.columns else ordered
 
 
 def first_to_enter(trials: Table, platform: Box) -> IntArray:
@@ -208,15 +207,19 @@ def _shaped(value: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt.NDAr
         ) from error
 
 
-def _check_first(trials: Table) -> None:
-    known = trials["first"].isin([0, 1, 2])
-    varying = trials.groupby(list(KEYS), observed=True)["first"].nunique() > 1
+def _with_first(trials: Table) -> Table:
+    """The trials with ``first`` as whole numbers; a column that lacks one somewhere is text."""
+    first: Any = pd.to_numeric(trials["first"], errors="coerce")
+    known = first.isin([0, 1, 2])
+    numbered = trials.assign(first=first)
+    varying = numbered.groupby(list(KEYS), observed=True)["first"].nunique() > 1
     if not known.all() or varying.any():
         got = trials["first"][~known].iloc[0] if not known.all() else varying.index[varying][0]
         raise InvalidInput(
             f"first must be 0, 1 or 2 and the same all through a trial, got {got!r}; "
             "it is the agent that enters the final platform first"
         )
+    return numbered.astype({"first": np.int64})
 
 
 def _grip_world(trials: Table, agent: int) -> FloatArray:
