@@ -101,6 +101,10 @@ class Evaluate:
 
         from coopenv.agents.evaluate import compare, save, table
 
+        if not self.policies:
+            raise InvalidInput(
+                "policies must name at least one, got none; for example: coopenv evaluate scripted"
+            )
         environment = self._environment()
         config = environment.config()
         policies = {

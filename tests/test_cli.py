@@ -134,3 +134,8 @@ def test_the_installed_command_explains_itself_without_loading_torch():
     if command.exists():
         helped = subprocess.run([command, "train", "--help"], capture_output=True, text=True)
         assert "--num-worlds" in helped.stdout
+
+
+def test_evaluating_nothing_is_refused(capsys):
+    assert cli.main(["evaluate"]) == 1
+    assert "policies must name at least one" in capsys.readouterr().err

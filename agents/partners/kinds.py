@@ -48,7 +48,10 @@ class Impedance(Kind):
 
     The plan is the task's goal, moved by ``offset`` in a direction drawn for the episode and
     turned by ``turn`` to a side drawn for it: its disagreement is known exactly. A plan that would
-    lie in a wall is mirrored to the other side of the goal.
+    lie in a wall of the room is mirrored to the other side of the goal.
+
+    It knows the room, not what stands in it and not wheels: it heads straight for its plan, so in
+    `BeamDoorway` it leads against the wall beside the gap, and a walker it does not steer.
 
     With no offset it does what one hand of `coopenv.agents.controllers.ImpedanceController` does.
     Whatever it feels changes nothing.
