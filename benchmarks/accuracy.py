@@ -11,10 +11,10 @@ in random directions, changed every half second, and compared with the same run 
 import sys
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from benchmarks.pages import DOCS, fill
 from coopenv import Body, Scene, TransportConfig
 from coopenv import wrench as wrench_module
 from coopenv.arrays import FloatArray
@@ -23,7 +23,7 @@ from coopenv.world import World
 NUM_WORLDS, NUM_STEPS, HOLD, DT = 512, 200, 10, 0.05
 REFERENCE, CHOICES = 200, (1, 2, 3, 5, 10, 20)
 LATE = 40  # [control steps] when positions are compared: later, bounces decide
-PAGE = Path(__file__).parents[1] / "docs" / "accuracy.md"
+PAGE = DOCS / "accuracy.md"
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,7 @@ def main() -> None:
     text = as_markdown(table())
     print(text)
     if "--write" in sys.argv[1:]:
-        head, tail = PAGE.read_text().split("<!-- table -->\n")[::2]
-        PAGE.write_text(f"{head}<!-- table -->\n{text}\n<!-- table -->\n{tail}")
+        fill(PAGE, {"table": text})
 
 
 if __name__ == "__main__":

@@ -5,16 +5,15 @@ python -m benchmarks.methods --write    # and writes docs/decomposition.md
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
+from benchmarks.pages import DOCS, fill, filled, markdown
 from coopenv import wrench
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 
-PAGE = Path(__file__).parents[1] / "docs" / "decomposition.md"
-MARK = "<!-- table -->\n"
+PAGE = DOCS / "decomposition.md"
 BEAM = ((-1.0, 0.0), (1.0, 0.0))  # [m]
 POINT = ((0.0, 0.0),) * 3
 FIGURE_2 = ((2.0, 0.0), (1.0, 1.0), (3.0, -1.0))  # [N] along the beam
@@ -84,21 +83,19 @@ def number(value: float) -> str:
 
 def as_markdown() -> str:
     """The page's table."""
-    lines = [COLUMNS, ["---"] * len(COLUMNS), *rows()]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown(COLUMNS, rows())
 
 
 def page() -> str:
     """The page as it should be."""
-    head, tail = PAGE.read_text(encoding="utf-8").split(MARK)[::2]
-    return f"{head}{MARK}{as_markdown()}\n{MARK}{tail}"
+    return filled(PAGE, {"table": as_markdown()})
 
 
 def main() -> None:
     """Print the table; with ``--write`` also put it on the page."""
     print(as_markdown())
     if "--write" in sys.argv[1:]:
-        PAGE.write_text(page(), encoding="utf-8")
+        fill(PAGE, {"table": as_markdown()})
 
 
 if __name__ == "__main__":

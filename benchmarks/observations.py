@@ -5,16 +5,15 @@ python -m benchmarks.observations --write    # and writes docs/observations.md
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
+from benchmarks.pages import DOCS, fill, filled, markdown
 from coopenv.block import Block, EachOther
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
 from coopenv.tasks import TASKS, SensedTask
 
-PAGE = Path(__file__).parents[1] / "docs" / "observations.md"
-MARK = "<!-- table -->\n"
+PAGE = DOCS / "observations.md"
 SETS = {"default": DEFAULT_BLOCKS, **SENSING}
 OWN = [task for task in (kind() for kind in TASKS) if isinstance(task, SensedTask)]
 COLUMNS = ("block", "features", "unit", "frame", "range", "what it is", "part of")
@@ -64,21 +63,19 @@ def interval(low: float, high: float) -> str:
 
 def as_markdown() -> str:
     """The page's table."""
-    lines = [COLUMNS, ["---"] * len(COLUMNS), *rows()]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown(COLUMNS, rows())
 
 
 def page() -> str:
     """The page as it should be."""
-    head, tail = PAGE.read_text(encoding="utf-8").split(MARK)[::2]
-    return f"{head}{MARK}{as_markdown()}\n{MARK}{tail}"
+    return filled(PAGE, {"table": as_markdown()})
 
 
 def main() -> None:
     """Print the table; with ``--write`` also put it on the page."""
     print(as_markdown())
     if "--write" in sys.argv[1:]:
-        PAGE.write_text(page(), encoding="utf-8")
+        fill(PAGE, {"table": as_markdown()})
 
 
 if __name__ == "__main__":

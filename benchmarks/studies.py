@@ -9,12 +9,13 @@ import sys
 from inspect import getsource
 from pathlib import Path
 
+from benchmarks.pages import DOCS, fill, filled
 from coopenv.agents.studies import commands
 from coopenv.agents.studies.claims import markdown
 from coopenv.agents.studies.people import People
 from coopenv.files import written
 
-PAGE = Path(__file__).parents[1] / "docs" / "studies.md"
+PAGE = DOCS / "studies.md"
 OUT = Path("runs") / "studies"
 LARGE = 200_000  # [B] from which a picture is stored with 256 colours
 
@@ -70,12 +71,7 @@ def pictures(out: Path) -> dict[Path, Path]:
 
 def page(found: dict[str, str]) -> str:
     """The page with these tables in place of its own."""
-    text = PAGE.read_text(encoding="utf-8")
-    for name, table in found.items():
-        mark = f"<!-- {name} -->\n"
-        head, _, tail = text.split(mark)
-        text = f"{head}{mark}{table}{mark}{tail}"
-    return text
+    return filled(PAGE, found)
 
 
 def write(out: Path) -> None:
@@ -89,7 +85,7 @@ def write(out: Path) -> None:
             if source.stat().st_size > LARGE:
                 stored = stored.quantize(256, dither=Image.Dither.NONE)
             stored.save(part, format="PNG", optimize=True)
-    PAGE.write_text(page(tables(out)), encoding="utf-8")
+    fill(PAGE, tables(out))
 
 
 def main() -> None:

@@ -15,16 +15,15 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
+from benchmarks.pages import DOCS, fill, markdown
 from coopenv.agents.curves import Row
 from coopenv.agents.evaluate import Evaluation, evaluate
 from coopenv.agents.scripted import find_controller
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
 from coopenv.envs.module import PREFIX
-from coopenv.files import written
 
-PAGE = Path(__file__).parents[1] / "docs" / "tasks.md"
-BEGIN, END = "<!-- learning: begin -->", "<!-- learning: end -->"
+PAGE = DOCS / "tasks.md"
 COLUMNS = ("environment", "policy", "success", "time [s]", "γ", "F_I [N]", "T_I [N·m]")
 LEARNING = ("control steps", "training, CPU s", "to 90 %, CPU s")
 STEPS = {  # where the default number of steps is too few
@@ -123,23 +122,13 @@ def _joined(values) -> str:
     return ", ".join(values)
 
 
-def markdown(made: Sequence[Sequence[str]]) -> str:
-    """The rows as a Markdown table."""
-    head = (*COLUMNS, *LEARNING)
-    lines = [head, ("---",) * len(head), *made]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
 def main() -> None:
     """Run what the command line asks for."""
     tasks, console = tyro.cli(Tasks), Console()
-    table = markdown(rows(tasks, console.print))
+    table = markdown((*COLUMNS, *LEARNING), rows(tasks, console.print))
     console.print(table, markup=False, soft_wrap=True)
     if tasks.write:
-        before, _, rest = PAGE.read_text().partition(BEGIN)
-        after = rest.partition(END)[2]
-        with written(PAGE) as part:
-            part.write_text(f"{before}{BEGIN}\n{table}\n{END}{after}")
+        fill(PAGE, {"learning": table})
 
 
 if __name__ == "__main__":

@@ -1,0 +1,34 @@
+"""Tables made by the code, and the pages of docs that hold them.
+
+A table stands between two marks of its name, ``<!-- name -->``, each on a line of its own.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from coopenv.files import written
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table, without a line end after it."""
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def filled(page: Path, tables: Mapping[str, str]) -> str:
+    """The text of ``page`` with each table between the marks of its name."""
+    text = page.read_text(encoding="utf-8")
+    for name, table in tables.items():
+        mark = f"<!-- {name} -->\n"
+        head, _, tail = text.split(mark)
+        text = "".join((head, mark, table.rstrip("\n"), "\n", mark, tail))
+    return text
+
+
+def fill(page: Path, tables: Mapping[str, str]) -> None:
+    """Put the tables on the page."""
+    text = filled(page, tables)
+    with written(page) as part:
+        part.write_text(text, encoding="utf-8")
