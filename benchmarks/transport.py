@@ -37,7 +37,7 @@ IMPERFECT = (*DEFAULT_BLOCKS, Sensor("obstacles", noise=0.02, bias=0.01, delay=2
 REPEATS = 9
 TARGET_RATIO = 1.5  # full step to five bare substeps, at 256 worlds and more
 TARGET_RANGES = 0.5  # µs a world that ranges add for each agent
-TARGET_PARTNER = 1.0  # what a partner takes, to what the core's physics takes
+TARGET_PARTNER = 1.0  # what a partner adds to a step, to bare pymunk at the same substeps
 TARGET_SINGLE = 8_000  # steps/s of the single Gymnasium environment
 
 
@@ -271,7 +271,7 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
             sensed,
         ),
         (
-            f"Partners in {PARTNERED:,} worlds (target: ≤ {TARGET_PARTNER:g} × the physics)",
+            f"Partners in {PARTNERED:,} worlds (target: ≤ {TARGET_PARTNER:g} × bare pymunk)",
             [
                 "partner",
                 "adds to the full step [µs/world]",
