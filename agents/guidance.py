@@ -1,14 +1,15 @@
 """Where an object is led and what wrench that takes, compiled for controllers and partners."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 from numba import njit
 
-from coopenv.arrays import FloatArray
-
 LOOKS = 9  # angles looked at between here and the end of the look-ahead
 NUM_GAINS = 6
+
+inlined = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)  # into kernels
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,88 +28,97 @@ class Gains:
     look_ahead: float = 0.8  # [rad] of the turn for which room is made in advance
 
 
-def gains_row(gains: Gains) -> FloatArray:
-    """``(6,)`` as the kernels take them."""
-    return np.array(
-        [gains.approach, gains.damping, gains.speed, gains.spin, gains.margin, gains.look_ahead]
-    )
+def gains_row(gains: Gains) -> tuple[float, ...]:
+    """The six numbers as the kernels take them."""
+    return tuple(map(float, astuple(gains)))
 
 
-@njit(cache=True, error_model="numpy")
+@inlined
+def triple(rows, k):  # pragma: no cover - compiled
+    """Row ``k`` of three numbers; a view of it would cost more than all that is done with it."""
+    return rows[k, 0], rows[k, 1], rows[k, 2]
+
+
+@inlined
 def object_wrench(
-    gains, pose, twist, goal, mass, inertia, linear_drag, angular_drag, outline, size, reach
+    gains, pose, twist, goal, load, size, outlines, k, reach
 ):  # pragma: no cover - compiled
-    """Wrench (fx, fy, t) [N, N·m] that one object needs on its way to ``goal``, object frame.
+    """Wrench (fx, fy, t) [N, N·m] that an object needs on its way to ``goal``, object frame.
 
     Parameters
     ----------
     gains
-        ``(6,)``, see `gains_row`.
+        Six, see `gains_row`.
     pose, twist, goal
-        ``(3,)``, world frame.
-    mass, inertia, linear_drag, angular_drag
-        Of the object.
-    outline
-        ``(vertex, 2)``, object frame [m].
+        Three each, world frame.
+    load
+        Mass, inertia, linear and angular drag of the object.
     size
-        ``(2,)`` of the room [m].
+        Two, of the room [m].
+    outlines, k
+        ``(world, vertex, 2)``, object frame [m], and which of the worlds this is.
     reach
         From the object's origin to its farthest vertex [m].
     """
-    damping = gains[1]
-    half_x, half_y = size[0] / 2, size[1] / 2
-    vx, vy, omega = wanted_twist(
-        gains, pose, goal, outline, -half_x, half_x, -half_y, half_y, reach
+    mass, inertia, linear_drag, angular_drag = load
+    half_x, half_y, damping = size[0] / 2, size[1] / 2, gains[1]
+    c, s = cos(pose[2]), sin(pose[2])
+    vx, vy, omega = _wanted_twist(
+        gains, pose, (c, s), goal, (-half_x, half_x, -half_y, half_y), outlines, k, reach
     )
     fx = mass * damping * (vx - twist[0]) + linear_drag * twist[0]
     fy = mass * damping * (vy - twist[1]) + linear_drag * twist[1]
     torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
-    c, s = np.cos(pose[2]), np.sin(pose[2])
     return c * fx + s * fy, c * fy - s * fx, torque
 
 
 @njit(cache=True, error_model="numpy")
-def wanted_twist(
-    gains, pose, goal, outline, low_x, high_x, low_y, high_y, reach
-):  # pragma: no cover - compiled
-    """Twist (vx, vy, ω) that leads one object to ``goal`` within a rectangle, world frame.
-
-    Arguments as of `object_wrench`, and the edges of what is free [m].
-    """
-    approach, speed, spin = gains[0], gains[2], gains[3]
-    turn = np.pi - (np.pi - (goal[2] - pose[2])) % (2 * np.pi)
-    low_x, high_x, low_y, high_y = _free_box(
-        gains[4], gains[5], turn, pose, goal, outline, low_x, high_x, low_y, high_y, reach
-    )
-    free_x = min(max(pose[0], low_x), high_x) - pose[0]
-    free_y = min(max(pose[1], low_y), high_y) - pose[1]
-    cramped = np.hypot(free_x, free_y)
-    vx = approach * (min(max(goal[0], low_x), high_x) - pose[0])
-    vy = approach * (min(max(goal[1], low_y), high_y) - pose[1])
-    slower = min(1.0, speed / max(np.hypot(vx, vy), 1e-12))
-    spin *= min(max(1 - cramped / 0.3, 0.0), 1.0)
-    return slower * vx, slower * vy, min(max(approach * turn, -spin), spin)
-
-
-@njit(cache=True, error_model="numpy")
 def wanted_twists(gains, pose, goal, outline, low, high):  # pragma: no cover - compiled
-    """`wanted_twist` of many, ``(world, 3)``; ``low`` and ``high`` are corners ``(world, 2)``."""
+    """Twists ``(world, 3)`` (vx, vy, ω) that lead objects to a goal in a rectangle, world frame.
+
+    ``low`` and ``high`` are the corners ``(world, 2)`` [m] of what is free.
+    """
     wanted = np.empty((len(pose), 3))
     for k in range(len(pose)):
         reach = 0.0
         for v in range(outline.shape[1]):
             reach = max(reach, np.hypot(outline[k, v, 0], outline[k, v, 1]))
-        wanted[k] = wanted_twist(
-            gains, pose[k], goal[k], outline[k], low[k, 0], high[k, 0], low[k, 1], high[k, 1], reach
+        axis, free = (
+            (cos(pose[k, 2]), sin(pose[k, 2])),
+            (low[k, 0], high[k, 0], low[k, 1], high[k, 1]),
+        )
+        wanted[k] = _wanted_twist(
+            gains, triple(pose, k), axis, triple(goal, k), free, outline, k, reach
         )
     return wanted
 
 
+@inlined
+def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):  # pragma: no cover - compiled
+    """The twist of one object; ``free`` are the edges (low x, high x, low y, high y) [m]."""
+    approach, _, speed, spin, margin, look_ahead = gains
+    turn = goal[2] - pose[2]
+    if not -pi < turn <= pi:
+        turn = pi - (pi - turn) % (2 * pi)
+    low_x, high_x, low_y, high_y = _free_box(
+        margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach
+    )
+    free_x = min(max(pose[0], low_x), high_x) - pose[0]
+    free_y = min(max(pose[1], low_y), high_y) - pose[1]
+    cramped = sqrt(free_x * free_x + free_y * free_y)
+    vx = approach * (min(max(goal[0], low_x), high_x) - pose[0])
+    vy = approach * (min(max(goal[1], low_y), high_y) - pose[1])
+    slower = min(1.0, speed / max(sqrt(vx * vx + vy * vy), 1e-12))
+    spin *= min(max(1 - cramped / 0.3, 0.0), 1.0)
+    return slower * vx, slower * vy, min(max(approach * turn, -spin), spin)
+
+
 @njit(cache=True, error_model="numpy")
 def _free_box(
-    margin, look_ahead, turn, pose, goal, outline, low_x, high_x, low_y, high_y, reach
+    margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach
 ):  # pragma: no cover - compiled
     """Where the centre may be so that the object keeps to the rectangle during the coming turn."""
+    low_x, high_x, low_y, high_y = free
     low_x, high_x, low_y, high_y = low_x + margin, high_x - margin, low_y + margin, high_y - margin
     if (
         min(pose[0], goal[0]) >= low_x + reach
@@ -118,13 +128,13 @@ def _free_box(
     ):  # then no wall matters, whatever the angle
         return low_x + reach, high_x - reach, low_y + reach, high_y - reach
     ahead = min(max(turn, -look_ahead), look_ahead)
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    c_step, s_step = np.cos(ahead / (LOOKS - 1)), np.sin(ahead / (LOOKS - 1))
+    c, s = axis
+    c_step, s_step = cos(ahead / (LOOKS - 1)), sin(ahead / (LOOKS - 1))
     left = right = down = up = 0.0
     for look in range(LOOKS):
-        for v in range(len(outline)):
-            x = c * outline[v, 0] - s * outline[v, 1]
-            y = s * outline[v, 0] + c * outline[v, 1]
+        for v in range(outlines.shape[1]):
+            x = c * outlines[k, v, 0] - s * outlines[k, v, 1]
+            y = s * outlines[k, v, 0] + c * outlines[k, v, 1]
             if look == 0 and v == 0:
                 left, right, down, up = x, x, y, y
             left, right, down, up = min(left, x), max(right, x), min(down, y), max(up, y)

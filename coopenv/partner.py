@@ -90,6 +90,7 @@ class Company:
         assert isinstance(config.partner, Partner)
         self._task, self._num_agents = config.task, config.num_agents
         self._driven, self._learners = np.array(config.driven), np.array(config.learners)
+        self._rows = _evenly(config.learners)
         self._shape = (num_worlds, len(self._driven), 3)
         self.player = config.partner.player(config, num_worlds, config.driven)
 
@@ -120,14 +121,14 @@ class Company:
         if restart is not None:
             wrench = np.where(restart[:, None, None], 0.0, wrench)
         team = before.team
-        joint = _joint(given, wrench, self._learners, self._driven, team.frame, team.limits)
-        if not np.isfinite(joint).all():
+        joint, finite = _joint(given, wrench, self._learners, self._driven, team.frame, team.limits)
+        if not finite:
             finite_array(wrench, "wrenches of the partner")  # raises, naming the place
         return joint
 
     def of_learners(self, value: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """The learners' rows of an array ``(world, agent, ...)``."""
-        return np.take(value, self._learners, axis=1)
+        """The learners' rows of an array ``(world, agent, ...)``; a view where it will do."""
+        return value[:, self._rows]
 
     def terms_of_learners(self, terms: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """The learners' rows of every reward term."""
@@ -142,43 +143,60 @@ class Company:
         member of a population it is.
         """
         state = transition.next_state
-        plan, target, decided = _where_to(self.player.plan(transition), state.pose, state.goal)
-        apart = (target != state.goal).any(axis=1)  # distances from a pose to itself are rounded
+        plan, target, decided, apart = _where_to(
+            self.player.plan(transition), state.pose, state.goal
+        )
+        disagreement = np.where(apart, self._task.distance(target, state.goal), 0.0)
         return {
             "partner_plan": plan,
             "partner_has_plan": decided,
-            "disagreement": np.where(apart, self._task.distance(target, state.goal), 0.0),
+            "disagreement": disagreement,
             "partner_kind": self.player.kind,
         }
 
 
+def _evenly(numbers: tuple[int, ...]) -> slice | IntArray:
+    """A slice that picks rising numbers, if they are evenly spaced; else the numbers."""
+    step = numbers[1] - numbers[0] if len(numbers) > 1 else 1
+    wanted = range(numbers[0], numbers[-1] + 1, step)
+    return slice(wanted.start, wanted.stop, step) if numbers == tuple(wanted) else np.array(numbers)
+
+
 @njit(cache=True)
 def _joint(action, wrench, learners, driven, frame, limits):  # pragma: no cover - compiled
-    """Actions of all agents ``(world, agent, a)``: the learners' own, the others' from wrenches."""
+    """Actions of all agents ``(world, agent, a)``: the learners' own, the others' from wrenches.
+
+    Also whether the latter are finite.
+    """
     num_worlds, _, width = action.shape
-    joint = np.empty((num_worlds, len(learners) + len(driven), width))
+    joint, finite = np.empty((num_worlds, len(learners) + len(driven), width)), True
     for k in range(num_worlds):
         for number, i in enumerate(learners):
             for j in range(width):
                 joint[k, i, j] = action[k, number, j]
         for number, i in enumerate(driven):
-            c, s = frame[k, i, 0], frame[k, i, 1]
-            x, y = wrench[k, number, 0], wrench[k, number, 1]
-            joint[k, i, 0] = (c * x + s * y) / limits[k, i, 0]
-            joint[k, i, 1] = (c * y - s * x) / limits[k, i, 0]
+            c, s, limit = frame[k, i, 0], frame[k, i, 1], limits[k, i, 0]
+            x, y, torque = wrench[k, number, 0], wrench[k, number, 1], wrench[k, number, 2]
+            joint[k, i, 0], joint[k, i, 1] = (c * x + s * y) / limit, (c * y - s * x) / limit
             if width == 3:
-                joint[k, i, 2] = wrench[k, number, 2] / limits[k, i, 1]
-    return joint
+                joint[k, i, 2] = torque / limits[k, i, 1]
+            finite = finite and np.isfinite(x + y + torque)
+    return joint, finite
 
 
 @njit(cache=True)
 def _where_to(plan, pose, goal):  # pragma: no cover - compiled
-    """Plans, with the pose and with the goal where there is none, and whether there is one."""
-    shown, target = plan.copy(), plan.copy()
-    decided = np.ones(len(plan), dtype=np.bool_)
+    """Plans, with the pose and with the goal where there is none; whether there is one, elsewhere.
+
+    "Elsewhere" is not at the goal: distances from a pose to itself are rounded.
+    """
+    shown, target = np.empty_like(plan), np.empty_like(plan)
+    decided, apart = np.empty(len(plan), dtype=np.bool_), np.empty(len(plan), dtype=np.bool_)
     for k in range(len(plan)):
         decided[k] = not (np.isnan(plan[k, 0]) or np.isnan(plan[k, 1]) or np.isnan(plan[k, 2]))
-        if not decided[k]:
-            for j in range(3):
-                shown[k, j], target[k, j] = pose[k, j], goal[k, j]
-    return shown, target, decided
+        apart[k] = False
+        for j in range(3):
+            shown[k, j] = plan[k, j] if decided[k] else pose[k, j]
+            target[k, j] = plan[k, j] if decided[k] else goal[k, j]
+            apart[k] = apart[k] or target[k, j] != goal[k, j]
+    return shown, target, decided, apart

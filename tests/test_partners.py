@@ -344,9 +344,10 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
         wanted = controller.object_wrench(core.transition)
         row, size = gains_row(gains), core.transition.conditions.room.size
         for k in range(15):
+            weights = (load.mass[k], load.inertia[k], load.linear_drag[k], load.angular_drag[k])
             mine = object_wrench(
-                row, state.pose[k], state.twist[k], state.goal[k], load.mass[k], load.inertia[k],
-                load.linear_drag[k], load.angular_drag[k], load.outline[k], size[k], body.reach,
+                row, state.pose[k], state.twist[k], state.goal[k],
+                weights, size[k], load.outline, k, body.reach,
             )  # fmt: skip
             np.testing.assert_allclose(mine, wanted[k], rtol=1e-9, atol=1e-9)
 

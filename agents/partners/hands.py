@@ -1,12 +1,16 @@
 """What the hands of every scripted partner do in a step, all worlds in one compiled pass."""
 
+from math import cos, exp, sin
+
 import numpy as np
 from numba import njit
 
-from ..guidance import NUM_GAINS, object_wrench
+from ..guidance import inlined, object_wrench, triple
 from .chance import fraction, mixed, normal
 from .traits import (
+    AWAY_TURN,
     AWAY_X,
+    AWAY_Y,
     DELAY,
     EAGERNESS,
     FOLLOWS,
@@ -16,6 +20,7 @@ from .traits import (
     PLANS,
     ROLE,
     SHARE,
+    SHARES,
     STAY,
     STRENGTH,
     TORQUE_NOISE,
@@ -80,137 +85,174 @@ def act(
     dt
         Control step [s].
     """
-    out = np.empty((len(traits), len(driven), 3))
-    parts, plan, slots = np.empty((len(grips[0]), 3)), np.empty(3), memory.shape[1]
+    out, parts = np.empty((len(traits), len(driven), 3)), np.empty((grips.shape[1], 3))
     for k in range(len(traits)):
         draw = mixed(keys[k], np.uint64(steps[k]))
-        stay = traits[k, now[k], STAY]
-        if stay > 0 and steps[k] > 0 and fraction(mixed(draw, _SWITCH)) < 1 - np.exp(-dt / stay):
-            now[k] = 1 - now[k]
-        row = traits[k, now[k]]
+        now[k] = n = _row(traits, k, now[k], steps[k], draw, dt)
+        role = traits[k, n, ROLE]
         load = (mass[k], inertia[k], linear_drag[k], angular_drag[k])
-        held = memory[k, steps[k] % slots]
-        if row[ROLE] == PLANS:
-            for j in range(3):
-                plan[j] = goal[k, j] + row[AWAY_X + j]
-            x, y, torque = object_wrench(
-                row[GAINS : GAINS + NUM_GAINS], pose[k], twist[k], plan,
-                *load, outline[k], size[k], reach[k],
+        here, moving = triple(pose, k), triple(twist, k)
+        if role == PLANS:
+            wrench = object_wrench(
+                _gains(traits, k, n), here, moving, _plan(traits, k, n, goal),
+                load, (size[k, 0], size[k, 1]), outline, k, reach[k],
             )  # fmt: skip
-            strength = row[STRENGTH]
-            _give_part(
-                strength * x, strength * y, strength * torque,
-                allocation[k], frame[k], limits[k], driven, parts, held,
-            )  # fmt: skip
-            for j in range(3):
-                wanted_twist[k, j] = twist[k, j]
+            wrench = _scaled(wrench, traits[k, n, STRENGTH])
         else:
-            x, y, torque = _felt(
-                pose[k], twist[k], twist_before[k], applied[k], grips[k], driven, load, dt
+            before = triple(twist_before, k)
+            wrench = _felt(here, moving, before, applied, grips, k, driven, load, dt)
+        if role == FOLLOWS:
+            tastes = (traits[k, n, HEAVINESS], traits[k, n, EAGERNESS])
+            wanted, wrench = _follow(
+                tastes, wrench, here, moving, triple(wanted_twist, k), load, dt
             )
-            if row[ROLE] == FOLLOWS:
-                _follow(
-                    row, x, y, torque, pose[k], twist[k], load, wanted_twist[k],
-                    allocation[k], frame[k], limits[k], driven, parts, held, dt,
-                )  # fmt: skip
-            else:
-                part = row[SHARE] / (1 - row[SHARE]) / len(driven)
-                _carry(part * x, part * y, part * torque, grips[k], driven, held)
-                for j in range(3):
-                    wanted_twist[k, j] = twist[k, j]
-        _shake(row, draw, held)
-        delay = int(row[DELAY])
-        then, begun = (steps[k] - delay) % slots, steps[k] >= delay
-        for number in range(len(driven)):
-            for j in range(3):  # element by element: copies of slices take longer than all else
-                out[k, number, j] = memory[k, then, number, j] if begun else 0.0
+        else:
+            wanted = moving
+        wanted_twist[k, 0], wanted_twist[k, 1], wanted_twist[k, 2] = wanted
+        slot = steps[k] % memory.shape[1]
+        if role == SHARES:
+            share = traits[k, n, SHARE]
+            _carry(
+                _scaled(wrench, share / (1 - share) / len(driven)), grips, driven, memory, k, slot
+            )
+        else:
+            _give_part(wrench, allocation, frame, limits, driven, parts, memory, k, slot)
+        _shake(traits[k, n, FORCE_NOISE], traits[k, n, TORQUE_NOISE], draw, memory, k, slot)
+        _recall(memory, k, steps[k], int(traits[k, n, DELAY]), out)
         steps[k] += 1
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _felt(pose, twist, before, applied, grips, driven, load, dt):  # pragma: no cover - compiled
+@inlined
+def _row(traits, k, n, step, draw, dt):  # pragma: no cover - compiled
+    """Which row of traits holds in this step: the other one if it is time to switch."""
+    stay = traits[k, n, STAY]
+    if stay > 0 and step > 0 and fraction(mixed(draw, _SWITCH)) < 1 - exp(-dt / stay):
+        return 1 - n
+    return n
+
+
+@inlined
+def _gains(traits, k, n):  # pragma: no cover - compiled
+    return (
+        traits[k, n, GAINS],
+        traits[k, n, GAINS + 1],
+        traits[k, n, GAINS + 2],
+        traits[k, n, GAINS + 3],
+        traits[k, n, GAINS + 4],
+        traits[k, n, GAINS + 5],
+    )
+
+
+@inlined
+def _plan(traits, k, n, goal):  # pragma: no cover - compiled
+    return (
+        goal[k, 0] + traits[k, n, AWAY_X],
+        goal[k, 1] + traits[k, n, AWAY_Y],
+        goal[k, 2] + traits[k, n, AWAY_TURN],
+    )
+
+
+@inlined
+def _scaled(wrench, factor):  # pragma: no cover - compiled
+    return factor * wrench[0], factor * wrench[1], factor * wrench[2]
+
+
+@inlined
+def _felt(pose, twist, before, applied, grips, k, driven, load, dt):  # pragma: no cover - compiled
     """What moved the object in the last step beside this partner, object frame: M v̇ + D v − h."""
     mass, inertia, linear_drag, angular_drag = load
     wx = mass * (twist[0] - before[0]) / dt + linear_drag * (twist[0] + before[0]) / 2
     wy = mass * (twist[1] - before[1]) / dt + linear_drag * (twist[1] + before[1]) / 2
     torque = inertia * (twist[2] - before[2]) / dt + angular_drag * (twist[2] + before[2]) / 2
     middle = pose[2] - dt * (twist[2] + before[2]) / 4  # where the object pointed in between
-    c, s = np.cos(middle), np.sin(middle)
+    c, s = cos(middle), sin(middle)
     x, y = c * wx + s * wy, c * wy - s * wx
     for i in driven:
-        x -= applied[i, 0]
-        y -= applied[i, 1]
-        torque -= grips[i, 0] * applied[i, 1] - grips[i, 1] * applied[i, 0] + applied[i, 2]
+        fx, fy = applied[k, i, 0], applied[k, i, 1]
+        x -= fx
+        y -= fy
+        torque -= grips[k, i, 0] * fy - grips[k, i, 1] * fx + applied[k, i, 2]
     return x, y, torque
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _follow(
-    row, x, y, torque, pose, twist, load, wanted, allocation, frame, limits, driven, parts, out, dt
-):  # pragma: no cover - compiled
-    """Let a lighter object answer what is felt, and do the own part to move the real one so."""
+@inlined
+def _follow(tastes, felt, pose, twist, wanted, load, dt):  # pragma: no cover - compiled
+    """Let a lighter object answer what is felt; its motion, and what the real one needs for it."""
     mass, inertia, linear_drag, angular_drag = load
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    felt_x, felt_y = c * x - s * y, s * x + c * y
-    fx = _answered(row, 0, felt_x, twist, wanted, mass, linear_drag, dt)
-    fy = _answered(row, 1, felt_y, twist, wanted, mass, linear_drag, dt)
-    needed = _answered(row, 2, torque, twist, wanted, inertia, angular_drag, dt)
-    _give_part(
-        c * fx + s * fy, c * fy - s * fx, needed,
-        allocation, frame, limits, driven, parts, out,
-    )  # fmt: skip
+    heaviness, eagerness = tastes
+    c, s = cos(pose[2]), sin(pose[2])
+    left, gain = _response(mass, linear_drag, dt)
+    vx = left * wanted[0] + gain * (c * felt[0] - s * felt[1]) / heaviness
+    vy = left * wanted[1] + gain * (s * felt[0] + c * felt[1]) / heaviness
+    left, gain = _response(inertia, angular_drag, dt)
+    omega = left * wanted[2] + gain * felt[2] / heaviness
+    fx = linear_drag * vx + mass * eagerness * (vx - twist[0])
+    fy = linear_drag * vy + mass * eagerness * (vy - twist[1])
+    torque = angular_drag * omega + inertia * eagerness * (omega - twist[2])
+    return (vx, vy, omega), (c * fx + s * fy, c * fy - s * fx, torque)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _answered(row, j, felt, twist, wanted, weight, drag, dt):  # pragma: no cover - compiled
-    """Move one component of the wanted motion on, and what the object needs to move so."""
-    left = np.exp(-drag / weight * dt)
-    gain = (1 - left) / drag if drag > 0 else dt / weight
-    wanted[j] = left * wanted[j] + gain * felt / row[HEAVINESS]
-    return drag * wanted[j] + weight * row[EAGERNESS] * (wanted[j] - twist[j])
+@inlined
+def _response(weight, drag, dt):  # pragma: no cover - compiled
+    """What a step leaves of a velocity, and what it adds for each unit of force."""
+    left = exp(-drag / weight * dt)
+    return left, ((1 - left) / drag if drag > 0 else dt / weight)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def _give_part(
-    x, y, torque, allocation, frame, limits, driven, parts, out
+    wrench, allocation, frame, limits, driven, parts, memory, k, slot
 ):  # pragma: no cover - compiled
     """The driven agents' parts of an object wrench, scaled down where anybody's limit is met.
 
     Like `ImpedanceController`, it presumes that the others do their parts and have limits too, so
     that equal plans make equal wrenches.
     """
+    x, y, torque = wrench
     largest = 1.0
     for i in range(len(parts)):
         for j in range(3):
             parts[i, j] = (
-                allocation[i, j, 0] * x + allocation[i, j, 1] * y + allocation[i, j, 2] * torque
+                allocation[k, i, j, 0] * x
+                + allocation[k, i, j, 1] * y
+                + allocation[k, i, j, 2] * torque
             )
-        c, s = frame[i, 0], frame[i, 1]
+        c, s = frame[k, i, 0], frame[k, i, 1]
         along, across = c * parts[i, 0] + s * parts[i, 1], c * parts[i, 1] - s * parts[i, 0]
-        largest = max(largest, max(abs(along), abs(across)) / limits[i, 0])
-        largest = max(largest, abs(parts[i, 2]) / limits[i, 1])
+        largest = max(largest, max(abs(along), abs(across)) / limits[k, i, 0])
+        largest = max(largest, abs(parts[i, 2]) / limits[k, i, 1])
     for number in range(len(driven)):
         for j in range(3):
-            out[number, j] = parts[driven[number], j] / largest
+            memory[k, slot, number, j] = parts[driven[number], j] / largest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _carry(x, y, torque, grips, driven, out):  # pragma: no cover - compiled
+@inlined
+def _carry(wrench, grips, driven, memory, k, slot):  # pragma: no cover - compiled
     """Give each driven agent this wrench at the centre of mass, moved to its grip."""
+    x, y, torque = wrench
     for number in range(len(driven)):
         i = driven[number]
-        out[number, 0], out[number, 1] = x, y
-        out[number, 2] = torque - (grips[i, 0] * y - grips[i, 1] * x)
+        memory[k, slot, number, 0], memory[k, slot, number, 1] = x, y
+        memory[k, slot, number, 2] = torque - (grips[k, i, 0] * y - grips[k, i, 1] * x)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _shake(row, draw, out):  # pragma: no cover - compiled
-    """Add the noise of an unsteady hand."""
-    if row[FORCE_NOISE] == 0 and row[TORQUE_NOISE] == 0:
+@inlined
+def _shake(force, torque, draw, memory, k, slot):  # pragma: no cover - compiled
+    """Add the noise of an unsteady hand, of these standard deviations [N], [N·m]."""
+    if force == 0 and torque == 0:
         return
     noise = mixed(draw, _NOISE)
-    for number in range(len(out)):
+    for number in range(memory.shape[2]):
         for j in range(3):
-            spread = row[FORCE_NOISE] if j < 2 else row[TORQUE_NOISE]
-            out[number, j] += spread * normal(mixed(noise, np.uint64(3 * number + j)))
+            spread = force if j < 2 else torque
+            memory[k, slot, number, j] += spread * normal(mixed(noise, np.uint64(3 * number + j)))
+
+
+@inlined
+def _recall(memory, k, step, delay, out):  # pragma: no cover - compiled
+    """What was right ``delay`` steps ago, nothing before the episode began."""
+    then, begun = (step - delay) % memory.shape[1], step >= delay
+    for number in range(memory.shape[2]):
+        for j in range(3):
+            out[k, number, j] = memory[k, then, number, j] if begun else 0.0

@@ -38,6 +38,7 @@ class Person:
         self.what, self._dt = what, config.dt
         self._width, self._driven = ACTIONS[config.action], np.array(agents)
         self._traits = np.zeros((num_worlds, 2, traits.NUM_TRAITS))
+        self._kind = np.zeros(num_worlds, dtype=np.int64)
         self._keys = np.zeros(num_worlds, dtype=np.uint64)
         self._now = np.zeros(num_worlds, dtype=np.int64)
         self._steps = np.zeros(num_worlds, dtype=np.int64)
@@ -50,7 +51,7 @@ class Person:
     @property
     def kind(self) -> IntArray:
         """``(world,)``: which of a population's members it is."""
-        return self._traits[:, 0, traits.KIND].astype(np.int64)
+        return self._kind
 
     def reset(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
         """Begin an episode in ``worlds``; see `coopenv.partner.Player`."""
@@ -59,6 +60,7 @@ class Person:
         for now in range(2):
             rows[:, now, _AWAY] = _inside(rows[:, now, _AWAY], start)
         self._traits[worlds], self._keys[worlds] = rows, keys
+        self._kind = self._traits[:, 0, traits.KIND].astype(np.int64)  # others may keep the old one
         self._now[worlds], self._steps[worlds], self._wanted_twist[worlds] = 0, 0, 0
         self._memory[worlds] = 0
         self._reach[worlds] = np.hypot(*np.moveaxis(start.conditions.load.outline, -1, 0)).max(1)
