@@ -21,6 +21,7 @@ import pymunk.batch as batch
 
 from coopenv import Box, Scene, Sensor, Transport, TransportTask
 from coopenv.agents.partners import PARTNERS
+from coopenv.arrays import FloatArray
 from coopenv.observation import DEFAULT_BLOCKS
 
 SIZES = (1, 16, 256, 1024)
@@ -102,10 +103,10 @@ def compare_senses(num_worlds: int) -> list[str]:
     ]
 
 
-def full_step(core: Transport, steps: int) -> float:
-    """Seconds a batched control step, resets of ended worlds included."""
-    shape = (steps, core.num_worlds, len(core.learners), 3)
-    actions = np.random.default_rng(0).uniform(-1, 1, shape)
+def full_step(core: Transport, steps: int, actions: FloatArray | None = None) -> float:
+    """Seconds a batched control step, resets of ended worlds included; random unless given."""
+    if actions is None:
+        actions = random_actions(core, steps)
     core.reset(seed=0)
     began = time.perf_counter()
     for k in range(steps):
@@ -114,6 +115,12 @@ def full_step(core: Transport, steps: int) -> float:
         if ended.any():
             core.reset(mask=ended)
     return (time.perf_counter() - began) / steps
+
+
+def random_actions(core: Transport, steps: int) -> FloatArray:
+    """``(step, world, learner, 3)``."""
+    shape = (steps, core.num_worlds, len(core.learners), 3)
+    return np.random.default_rng(0).uniform(-1, 1, shape)
 
 
 def bare_step(core: Transport, substeps: int, steps: int) -> float:
@@ -187,25 +194,42 @@ def single_gymnasium() -> float:
 
 
 def partner_costs() -> list[list[str]]:
-    """What each kind of partner adds to a step, beside the bare physics; a line a kind."""
+    """What each kind of partner adds to a step, beside the bare physics; a line a kind.
+
+    Added to the step of a team that moves at random, and to that of one that is told to move as
+    the partner and the learner do: pymunk takes longer where bodies move faster.
+    """
     never = TransportTask(position_tolerance=1e-9)  # or partners would be charged for resets
     alone = Transport(num_worlds=PARTNERED, task=never)
     cores = {name: Transport(num_worlds=PARTNERED, task=never, partner=name) for name in PARTNERS}
-    for core in (alone, *cores.values()):
-        full_step(core, 2)
+    steps = 20
+    moves = {name: joint_actions(core, steps) for name, core in cores.items()}
     seen = {name: [] for name in cores}
     for _ in range(REPEATS):
         for name, core in cores.items():
-            bare = bare_step(alone, alone.substeps, 20)
-            added = full_step(core, 20) - full_step(alone, 20)
-            own, physics = partner_work(core, 20)
-            seen[name].append((added, own, physics, own / physics, added / bare))
+            bare = bare_step(alone, alone.substeps, steps)
+            full, random = full_step(core, steps), full_step(alone, steps)
+            same = full_step(alone, steps, moves[name])
+            own, physics = partner_work(core, steps)
+            added = (full - random, full - same)
+            seen[name].append((*added, own, physics, *np.divide((*added, own), bare)))
     lines = []
     for name, times in seen.items():
-        *costs, to_physics, to_bare = np.median(times, axis=0)
+        *costs, random, same, own = np.median(times, axis=0)
         micro = [f"{cost / PARTNERED * 1e6:.2f}" for cost in costs]
-        lines.append([name, *micro, f"{to_physics:.2f}", f"{to_bare:.2f}"])
+        lines.append([name, *micro, f"{random:.2f}", f"{same:.2f}", f"{own:.2f}"])
     return lines
+
+
+def joint_actions(core: Transport, steps: int) -> FloatArray:
+    """What everybody does, ``(step, world, agent, 3)``, when the learners act at random."""
+    core.reset(seed=0)
+    joint = []
+    for action in random_actions(core, steps):
+        core.step(action)
+        assert core.transition is not None
+        joint.append(core.transition.action)
+    return np.array(joint)
 
 
 def partner_work(core: Transport, steps: int) -> tuple[float, float]:
@@ -274,11 +298,13 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
             f"Partners in {PARTNERED:,} worlds (target: ≤ {TARGET_PARTNER:g} × bare pymunk)",
             [
                 "partner",
-                "adds to the full step [µs/world]",
+                "adds to a random team's step [µs/world]",
+                "adds to a step of the same motion",
                 "its own work",
                 "the core's physics",
-                "own / physics",
-                "adds / bare pymunk, same substeps",
+                "first / bare pymunk, same substeps",
+                "second / bare",
+                "own / bare",
             ],
             partner_costs(),
         ),
