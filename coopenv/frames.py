@@ -92,6 +92,14 @@ def view_slices(num_agents: int) -> dict[str, slice]:
     }
 
 
+@njit(cache=True, forceinline=True)
+def _write_turned(wrench, k, other, c, s, seen, i, at):  # pragma: no cover - compiled
+    """Write an agent's wrench as agent i sees it."""
+    x, y = wrench[k, other, 0], wrench[k, other, 1]
+    seen[k, i, at], seen[k, i, at + 1] = c * x + s * y, c * y - s * x
+    seen[k, i, at + 2] = wrench[k, other, 2]
+
+
 @njit(cache=True)
 def agent_view(
     pose, twist, goal, told, frame, applied, internal, force_share, torque_share, relative_cost
@@ -127,25 +135,24 @@ def agent_view(
             c_own, s_own = frame[k, i, 0], frame[k, i, 1]
             c = cos_object * c_own - sin_object * s_own
             s = sin_object * c_own + cos_object * s_own
-            out = seen[k, i]
             place, angle = told[k, i, 0], told[k, i, 1]
-            out[0] = c * dx + s * dy if place else 0.0
-            out[1] = c * dy - s * dx if place else 0.0
-            out[2], out[3] = (cos_turn, sin_turn) if angle else (0.0, 0.0)
+            seen[k, i, 0] = c * dx + s * dy if place else 0.0
+            seen[k, i, 1] = c * dy - s * dx if place else 0.0
+            seen[k, i, 2], seen[k, i, 3] = (cos_turn, sin_turn) if angle else (0.0, 0.0)
             vx, vy = twist[k, 0], twist[k, 1]
-            out[4], out[5], out[6] = c * vx + s * vy, c * vy - s * vx, twist[k, 2]
+            seen[k, i, 4], seen[k, i, 5] = c * vx + s * vy, c * vy - s * vx
+            seen[k, i, 6] = twist[k, 2]
             at = 7
-            for wrench in (applied, internal):
-                for step in range(num_agents):  # its own first, then the others in order
-                    x, y, torque = wrench[k, (i + step) % num_agents]
-                    out[at] = c_own * x + s_own * y
-                    out[at + 1] = c_own * y - s_own * x
-                    out[at + 2] = torque
-                    at += 3
+            for step in range(num_agents):  # its own first, then the others in order
+                other = (i + step) % num_agents
+                _write_turned(applied, k, other, c_own, s_own, seen, i, at)
+                _write_turned(internal, k, other, c_own, s_own, seen, i, at + 3 * num_agents)
+                at += 3
+            at += 3 * num_agents
             force, torque = force_share[k, i], torque_share[k, i]
-            out[at] = 1 / num_agents if np.isnan(force) else force
-            out[at + 1] = 1 / num_agents if np.isnan(torque) else torque
-            out[at + 2] = relative_cost[k]
+            seen[k, i, at] = 1 / num_agents if np.isnan(force) else force
+            seen[k, i, at + 1] = 1 / num_agents if np.isnan(torque) else torque
+            seen[k, i, at + 2] = relative_cost[k]
     return seen
 
 

@@ -91,44 +91,51 @@ def _pushed(rate: FloatArray, time: float) -> FloatArray:
     return np.where(near, series, (time - _coasted(rate, time)) / np.where(near, 1, rate))
 
 
-@njit(cache=True, nogil=True)
-def advance(row, angle, vx, vy, spin, fx, fy, torque):  # pragma: no cover - compiled
+@njit(cache=True, nogil=True, forceinline=True)
+def advance(table, k, angle, vx, vy, spin, fx, fy, torque):  # pragma: no cover - compiled
     """Pose change and twist after one substep: ``(dx, dy, dθ, vx, vy, ω)``, world frame.
 
-    ``row`` is the world's row of the coefficient table; the force is in the object frame.
+    ``k`` is the world's row of the coefficient table; the force is in the object frame.
     """
-    dx, dy = row[COAST] * vx, row[COAST] * vy
-    speed_x, speed_y = row[DECAY] * vx, row[DECAY] * vy
+    dx, dy = table[k, COAST] * vx, table[k, COAST] * vy
+    speed_x, speed_y = table[k, DECAY] * vx, table[k, DECAY] * vy
     for i in range(3):
-        at = angle + row[NODE_COAST + i] * spin + row[NODE_TURN + i] * torque
+        at = angle + table[k, NODE_COAST + i] * spin + table[k, NODE_TURN + i] * torque
         c, s = np.cos(at), np.sin(at)
         world_x, world_y = c * fx - s * fy, s * fx + c * fy
-        dx += row[NODE_PATH + i] * world_x
-        dy += row[NODE_PATH + i] * world_y
-        speed_x += row[NODE_SPEED + i] * world_x
-        speed_y += row[NODE_SPEED + i] * world_y
-    turn = row[SPIN_COAST] * spin + row[TURN_GAIN] * torque
-    return dx, dy, turn, speed_x, speed_y, row[SPIN_DECAY] * spin + row[SPIN_GAIN] * torque
+        dx += table[k, NODE_PATH + i] * world_x
+        dy += table[k, NODE_PATH + i] * world_y
+        speed_x += table[k, NODE_SPEED + i] * world_x
+        speed_y += table[k, NODE_SPEED + i] * world_y
+    turn = table[k, SPIN_COAST] * spin + table[k, TURN_GAIN] * torque
+    return (
+        dx,
+        dy,
+        turn,
+        speed_x,
+        speed_y,
+        table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * torque,
+    )
 
 
-@njit(cache=True, nogil=True)
-def roll(row, angle, vx, vy, spin, fx, torque):  # pragma: no cover - compiled
+@njit(cache=True, nogil=True, forceinline=True)
+def roll(table, k, angle, vx, vy, spin, fx, torque):  # pragma: no cover - compiled
     """`advance` for a body on wheels; of its velocity only the part along its x counts."""
     speed = np.cos(angle) * vx + np.sin(angle) * vy
     dx, dy = 0.0, 0.0
     for i in range(3):
-        at = angle + row[NODE_COAST + i] * spin + row[NODE_TURN + i] * torque
-        path = row[NODE_ROLL + i] * speed + row[NODE_PUSH + i] * fx
+        at = angle + table[k, NODE_COAST + i] * spin + table[k, NODE_TURN + i] * torque
+        path = table[k, NODE_ROLL + i] * speed + table[k, NODE_PUSH + i] * fx
         dx += path * np.cos(at)
         dy += path * np.sin(at)
-    turn = row[SPIN_COAST] * spin + row[TURN_GAIN] * torque
-    speed = row[DECAY] * speed + row[COAST] / row[MASS] * fx
-    end, later = angle + turn, row[SPIN_DECAY] * spin + row[SPIN_GAIN] * torque
+    turn = table[k, SPIN_COAST] * spin + table[k, TURN_GAIN] * torque
+    speed = table[k, DECAY] * speed + table[k, COAST] / table[k, MASS] * fx
+    end, later = angle + turn, table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * torque
     return dx, dy, turn, speed * np.cos(end), speed * np.sin(end), later
 
 
 @njit(cache=True, nogil=True)
-def yielded(row, along, dx, dy, spin):  # pragma: no cover - compiled
+def yielded(table, k, along, dx, dy, spin):  # pragma: no cover - compiled
     """How a body on wheels answers contacts that would change a free one's twist by the given.
 
     The impulse P and angular impulse L that stop a free body's approach are too small for wheels,
@@ -141,9 +148,9 @@ def yielded(row, along, dx, dy, spin):  # pragma: no cover - compiled
     The change of forward speed and of spin, and the factor by which the impulse is larger. Where
     neither rolling nor turning gives way, nothing changes.
     """
-    turning = row[INERTIA] * spin * spin
-    free = row[MASS] * (dx * dx + dy * dy) + turning
-    rolling = row[MASS] * along * along + turning
+    turning = table[k, INERTIA] * spin * spin
+    free = table[k, MASS] * (dx * dx + dy * dy) + turning
+    rolling = table[k, MASS] * along * along + turning
     if rolling <= _LOCKED * free:
         return 0.0, 0.0, 1.0
     factor = free / rolling
@@ -173,21 +180,21 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma:
         ``(world, 3)`` written: the twist at the end if nothing is touched.
     """
     for k in range(len(rows)):
-        row, angle = table[k], pose[k, 2]
-        if row[WHEELS]:
+        angle = pose[k, 2]
+        if table[k, WHEELS]:
             dx, dy, turn, vx, vy, spin = roll(
-                row, angle, twist[k, 0], twist[k, 1], twist[k, 2], wrench[k, 0], wrench[k, 2]
+                table, k, angle, twist[k, 0], twist[k, 1], twist[k, 2], wrench[k, 0], wrench[k, 2]
             )
         else:
             dx, dy, turn, vx, vy, spin = advance(
-                row, angle, twist[k, 0], twist[k, 1], twist[k, 2],
+                table, k, angle, twist[k, 0], twist[k, 1], twist[k, 2],
                 wrench[k, 0], wrench[k, 1], wrench[k, 2],
             )  # fmt: skip
-        out = command[rows[k]]
-        out[0], out[1], out[2] = dx / step, dy / step, turn / step
-        out[3] = row[MASS] * (vx - out[0]) / step
-        out[4] = row[MASS] * (vy - out[1]) / step
-        out[5] = row[INERTIA] * (spin - out[2]) / step
+        at, mean_x, mean_y, mean_spin = rows[k], dx / step, dy / step, turn / step
+        command[at, 0], command[at, 1], command[at, 2] = mean_x, mean_y, mean_spin
+        command[at, 3] = table[k, MASS] * (vx - mean_x) / step
+        command[at, 4] = table[k, MASS] * (vy - mean_y) / step
+        command[at, 5] = table[k, INERTIA] * (spin - mean_spin) / step
         expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
 
 
@@ -219,7 +226,7 @@ def collect(
         if speed > rounding or abs(spin) > rounding:
             push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / reach[k])
             if table[k, WHEELS]:
-                along, spin, factor = yielded(table[k], c * dx + s * dy, dx, dy, spin)
+                along, spin, factor = yielded(table, k, c * dx + s * dy, dx, dy, spin)
                 push *= factor
                 rolling += along
                 twist[k, 2] = expected[k, 2] + spin

@@ -90,7 +90,7 @@ class Company:
         assert isinstance(config.partner, Partner)
         self._task, self._num_agents = config.task, config.num_agents
         self._driven, self._learners = np.array(config.driven), np.array(config.learners)
-        self._rows = _evenly(config.learners)
+        self._rows = _evenly(self._learners)
         self._shape = (num_worlds, len(self._driven), 3)
         self.player = config.partner.player(config, num_worlds, config.driven)
 
@@ -155,11 +155,12 @@ class Company:
         }
 
 
-def _evenly(numbers: tuple[int, ...]) -> slice | IntArray:
+def _evenly(numbers: IntArray) -> slice | IntArray:
     """A slice that picks rising numbers, if they are evenly spaced; else the numbers."""
-    step = numbers[1] - numbers[0] if len(numbers) > 1 else 1
-    wanted = range(numbers[0], numbers[-1] + 1, step)
-    return slice(wanted.start, wanted.stop, step) if numbers == tuple(wanted) else np.array(numbers)
+    steps = np.diff(numbers)
+    if (steps != steps[:1]).any():
+        return numbers
+    return slice(int(numbers[0]), int(numbers[-1]) + 1, int(steps[0]) if len(steps) else 1)
 
 
 @njit(cache=True)

@@ -25,13 +25,13 @@ class Body:
     def after(self, seconds: float, force=(0.0, 0.0), torque=0.0, *, step=0.025):
         """Pose and twist after ``seconds`` under a wrench held in the object frame."""
         one = np.ones(1)
-        row = motion.coefficients(
+        table = motion.coefficients(
             MASS * one, INERTIA * one, self.linear_drag * one, self.angular_drag * one, step
-        )[0]
+        )
         pose, twist = np.array(self.pose), np.array(self.twist)
         for _ in range(round(seconds / step)):
             held = (*pose[2:], *twist, *force, torque)
-            change = motion.advance(row, *held)
+            change = motion.advance(table, 0, *held)
             pose, twist = pose + change[:3], np.array(change[3:])
         return pose, twist
 

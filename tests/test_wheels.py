@@ -22,10 +22,10 @@ def placed(*pose, body=WALKER, scene=OPEN_ROOM, substeps=2):
     return one
 
 
-def walker_row():
-    """The walker's row of the coefficient table, substeps of 25 ms."""
+def walker_table():
+    """The walker's coefficient table, substeps of 25 ms."""
     mass, inertia, drag, angular_drag = (np.array([v]) for v in (25.0, 4.17, 1.0, 100.0))
-    return motion.coefficients(mass, inertia, drag, angular_drag, 0.025, np.array([True]))[0]
+    return motion.coefficients(mass, inertia, drag, angular_drag, 0.025, np.array([True]))
 
 
 def slip(pose, twist):
@@ -66,10 +66,10 @@ def test_a_held_wrench_drives_it_as_the_constrained_equations_of_motion_say(body
 def test_at_its_terminal_speed_and_spin_it_goes_round_the_analytic_arc():
     force, torque = 1.2, 40.0
     u, w = force / WALKER.linear_drag, torque / WALKER.angular_drag  # 1.2 m/s, 0.4 rad/s
-    row = walker_row()
+    table = walker_table()
     x, y, angle, vx, vy, spin = 0.0, 0.0, 0.3, u * np.cos(0.3), u * np.sin(0.3), w
     for _ in range(400):  # 10 s
-        dx, dy, turn, vx, vy, spin = motion.roll(row, angle, vx, vy, spin, force, torque)
+        dx, dy, turn, vx, vy, spin = motion.roll(table, 0, angle, vx, vy, spin, force, torque)
         x, y, angle = x + dx, y + dy, angle + turn
     end = 0.3 + 10 * w
     arc = u / w * np.array([np.sin(end) - np.sin(0.3), np.cos(0.3) - np.cos(end)])
@@ -216,7 +216,7 @@ def test_contacts_of_a_rolling_body_take_the_approach_out_of_it():
     # A free body's answer to a frictionless impulse P at r is (P/m, r × P / J). Scaled for wheels,
     # the contact point must lose the same normal velocity.
     generator = np.random.default_rng(3)
-    row = walker_row()
+    table = walker_table()
     for _ in range(200):
         heading, direction = generator.uniform(-np.pi, np.pi, 2)
         arm, normal = (
@@ -226,7 +226,7 @@ def test_contacts_of_a_rolling_body_take_the_approach_out_of_it():
         lever = arm[0] * normal[1] - arm[1] * normal[0]
         free = np.array([*(normal / 25.0), lever / 4.17])
         forward = np.array([np.cos(heading), np.sin(heading)])
-        along, spin, factor = motion.yielded(row, forward @ free[:2], *free)
+        along, spin, factor = motion.yielded(table, 0, forward @ free[:2], *free)
         lost = free[:2] @ normal + lever * free[2]
         assert along * (normal @ forward) + lever * spin == pytest.approx(lost, rel=1e-9)
         assert factor >= 1.0
