@@ -78,17 +78,26 @@ def test_the_partner_drives_the_last_agent_and_the_others_learn():
     np.testing.assert_allclose(core.transition.applied[:, 1], [[3, -2, 1]] * 3, atol=1e-12)
 
 
-def test_learners_see_and_earn_what_they_would_with_two_learners():
-    alone = Transport(num_worlds=4, partner=Steady(), reward="balanced")
-    both = Transport(num_worlds=4, reward="balanced")
+QUARTET = Body(grips=((-0.9, 0.0), (-0.3, 0.05), (0.3, 0.05), (0.9, -0.05)))
+
+
+@pytest.mark.parametrize("driven", [(3,), (1,), (1, 3), (0, 2), (0, 1, 2)])
+def test_learners_see_and_earn_what_they_would_if_all_learned(driven):
+    alone = Transport(
+        num_worlds=4, body=QUARTET, partner=Steady(), partner_agents=driven, reward="balanced"
+    )
+    both = Transport(num_worlds=4, body=QUARTET, reward="balanced")
+    learners = [i for i in range(4) if i not in driven]
     alone.reset(seed=0)
     both.reset(seed=0)
-    for action in actions(0, 10, 4, 1, 3):
+    for action in actions(0, 5, 4, len(learners), 3):
         mine = alone.step(action)
         assert alone.transition is not None
         theirs = both.step(alone.transition.action)
-        np.testing.assert_array_equal(mine[0], theirs[0][:, :1])
-        np.testing.assert_array_equal(mine[1], theirs[1][:, :1])
+        np.testing.assert_array_equal(mine[0], theirs[0][:, learners])
+        np.testing.assert_array_equal(mine[1], theirs[1][:, learners])
+        for name, term in mine[4]["reward_terms"].items():
+            np.testing.assert_array_equal(term, theirs[4]["reward_terms"][name][:, learners])
         for name in ("internal_wrench", "relative_cost", "success"):
             np.testing.assert_array_equal(mine[4][name], theirs[4][name])
 
