@@ -223,22 +223,24 @@ def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, 
 
 
 @njit(**COMPILED)
-def _solve(f1x, f1y, f2x, f2y, t1, t2, a1, a2, w, induced):
+def _left(torque, supplied):
+    """What is left of a torque, 0 where it is rounding."""
+    left = torque + supplied
+    return left if abs(left) > 4e-16 * abs(torque) else 0.0
+
+
+@njit(**COMPILED)
+def _solve(forces, torques, a1, a2, w, induced):
     """Best internal force (u, v) on effector 1 and the pure torque T that remains needed."""
-    lever = a1 - a2
-    applied_torque = t1 + t2
-    forces = (f1x, f1y, f2x, f2y)
+    t1, t2 = torques
+    lever, applied_torque = a1 - a2, t1 + t2
     low, high = _interval(forces, t1, t2, a1, a2, lever)
     weights = (1.0 - w, induced * w * abs(a1), induced * w * abs(a2), w * (1.0 + TIE) * lever)
     v = low
     if high > low:
         no_torque = -applied_torque / _nonzero(lever)
         v = _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, a2)
-    u = _best_u(forces, v)
-    torque = applied_torque + lever * v
-    if abs(torque) <= 4e-16 * abs(applied_torque):
-        torque = 0.0
-    return u, v, torque
+    return _best_u(forces, v), v, _left(applied_torque, lever * v)
 
 
 @njit(**COMPILED)
@@ -250,9 +252,9 @@ def _share(own, other, torque):
     return min(abs(torque) / max(supply, TINY), 1.0)
 
 
-@gufunc("(n,k),(a),(p)->(n,k)", "void(float64[:,:], float64[:], float64[:], float64[:,:])")
-def decompose_pair(applied, axis, weights, manipulation):
-    """Write the manipulation wrench of one sample; all arguments as prepared by `prepare`."""
+@njit(**COMPILED)
+def _in_line(applied, axis):
+    """Forces and torques in the frame of the line, the largest component as unit; and that unit."""
     scale = 0.0
     for i in range(2):
         for k in range(3):
@@ -263,9 +265,14 @@ def decompose_pair(applied, axis, weights, manipulation):
     f1y = (c * applied[0, 1] - s * applied[0, 0]) * shrink
     f2x = (c * applied[1, 0] + s * applied[1, 1]) * shrink
     f2y = (c * applied[1, 1] - s * applied[1, 0]) * shrink
-    t1, t2 = applied[0, 2] * shrink, applied[1, 2] * shrink
-    w, induced = weights[0], weights[1]
-    u, v, torque = _solve(f1x, f1y, f2x, f2y, t1, t2, axis[2], axis[3], w, induced)
+    return (f1x, f1y, f2x, f2y), (applied[0, 2] * shrink, applied[1, 2] * shrink), scale
+
+
+@njit(**COMPILED)
+def _write(applied, axis, u, v, torques, torque, scale, manipulation):
+    """Take the internal force (u, v) off, and leave the pure torque T to the effectors."""
+    c, s = axis[0], axis[1]
+    t1, t2 = torques
     gx, gy = (c * u - s * v) * scale, (s * u + c * v) * scale
     manipulation[0, 0] = applied[0, 0] - gx
     manipulation[0, 1] = applied[0, 1] - gy
@@ -273,3 +280,11 @@ def decompose_pair(applied, axis, weights, manipulation):
     manipulation[1, 1] = applied[1, 1] + gy
     manipulation[0, 2] = applied[0, 2] * _share(t1, t2, torque)
     manipulation[1, 2] = applied[1, 2] * _share(t2, t1, torque)
+
+
+@gufunc("(n,k),(a),(p)->(n,k)", "void(float64[:,:], float64[:], float64[:], float64[:,:])")
+def decompose_pair(applied, axis, weights, manipulation):
+    """Write the manipulation wrench of one sample; all arguments as prepared by `prepare`."""
+    forces, torques, scale = _in_line(applied, axis)
+    u, v, torque = _solve(forces, torques, axis[2], axis[3], weights[0], weights[1])
+    _write(applied, axis, u, v, torques, torque, scale, manipulation)

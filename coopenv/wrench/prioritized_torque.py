@@ -18,7 +18,7 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.wrench import pair
 from coopenv.wrench.kernels import gufunc
-from coopenv.wrench.pair_kernel import TINY, _best_u, _interval, _share, _vertex
+from coopenv.wrench.pair_kernel import _best_u, _in_line, _interval, _left, _vertex, _write
 
 if TYPE_CHECKING:
     from coopenv.wrench.methods import Prepared
@@ -57,18 +57,11 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
 @gufunc("(n,k),(a)->(n,k)", "void(float64[:,:], float64[:], float64[:,:])")
 def prioritize_torque(applied, axis, manipulation):
     """Write the manipulation wrench of one sample; ``axis`` is direction and levers [m]."""
-    c, s, a1, a2 = axis[0], axis[1], axis[2], axis[3]
-    scale = 0.0
-    for i in range(2):
-        for k in range(3):
-            scale = max(scale, abs(applied[i, k]))
-    shrink = 1.0 / max(scale, TINY)
-    f1x = (c * applied[0, 0] + s * applied[0, 1]) * shrink
-    f1y = (c * applied[0, 1] - s * applied[0, 0]) * shrink
-    f2x = (c * applied[1, 0] + s * applied[1, 1]) * shrink
-    f2y = (c * applied[1, 1] - s * applied[1, 0]) * shrink
-    t1, t2 = applied[0, 2] * shrink, applied[1, 2] * shrink
-    forces, lever, torque = (f1x, f1y, f2x, f2y), a1 - a2, t1 + t2
+    forces, torques, scale = _in_line(applied, axis)
+    f1x, f1y, f2x, f2y = forces
+    t1, t2 = torques
+    a1, a2 = axis[2], axis[3]
+    lever, torque = a1 - a2, t1 + t2
     low, high = _interval(forces, t1, t2, a1, a2, lever)
     if lever == 0.0:  # the point mass answer: for f_o = 0 all of the force is internal
         resultant = (f1x + f2x) * (f1x + f2x) + (f1y + f2y) * (f1y + f2y)
@@ -77,14 +70,5 @@ def prioritize_torque(applied, axis, manipulation):
     else:
         v = -torque / lever
     v = min(max(v, low), high)
-    u = _best_u(forces, v)
-    left = torque + lever * v
-    if abs(left) <= 4e-16 * abs(torque):
-        left = 0.0
-    gx, gy = (c * u - s * v) * scale, (s * u + c * v) * scale
-    manipulation[0, 0] = applied[0, 0] - gx
-    manipulation[0, 1] = applied[0, 1] - gy
-    manipulation[1, 0] = applied[1, 0] + gx
-    manipulation[1, 1] = applied[1, 1] + gy
-    manipulation[0, 2] = applied[0, 2] * _share(t1, t2, left)
-    manipulation[1, 2] = applied[1, 2] * _share(t2, t1, left)
+    left = _left(torque, lever * v)
+    _write(applied, axis, _best_u(forces, v), v, torques, left, scale, manipulation)
