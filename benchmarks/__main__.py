@@ -11,7 +11,7 @@ import pymunk
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import environments, logs, structured, transport, wrench
+from benchmarks import environments, logs, partners, senses, structured, transport, wrench
 
 
 def main() -> None:
@@ -21,7 +21,7 @@ def main() -> None:
         f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}, "
         f"numba {numba.__version__}, pymunk {pymunk.version}"
     )
-    for module in (wrench, structured, logs, transport, environments):
+    for module in (wrench, structured, logs, transport, senses, partners, environments):
         for title, columns, rows in module.tables():
             table = Table(*columns, title=title, title_justify="left")
             for row in rows:
