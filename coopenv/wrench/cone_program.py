@@ -46,6 +46,7 @@ class ConeProgram:
         self._columns: list[int] = []
         self._entries: list[FloatArray] = []
         self._num_rows = 0
+        self._kept: list[tuple[FloatArray, slice, FloatArray | float]] = []
 
     def variables(self, count: int, cost: float = 0.0) -> list[int]:
         """Add ``count`` variables of the same cost; return their columns."""
@@ -53,29 +54,30 @@ class ConeProgram:
         self._cost += [cost] * count
         return list(range(first, first + count))
 
-    def zero(self, *vectors: Affine) -> None:
-        """Require that the vectors sum to 0."""
+    def zero(self, *vectors: Affine) -> slice:
+        """Require that the vectors sum to 0; return the rows of that."""
         size = len(vectors[0].offset)
         for vector in vectors:
             self._place(vector.columns, -vector.block)
-        self._close(clarabel.ZeroConeT, size, sum(vector.offset for vector in vectors))
+        return self._close(clarabel.ZeroConeT, size, sum(vector.offset for vector in vectors))
 
-    def between(self, scalar: Affine, bound: float) -> None:
-        """Require that a vector of length 1 lies between 0 and ``bound``."""
+    def between(self, scalar: Affine, bound: float) -> slice:
+        """Require that a vector of length 1 lies between 0 and ``bound``; return the rows."""
         sign = np.array([[1.0], [-1.0]]) * np.sign(bound)
         self._place(scalar.columns, -sign @ scalar.block)
         right = sign @ scalar.offset + np.array([0.0, abs(bound)])
-        self._close(clarabel.NonnegativeConeT, 2, right)
+        return self._close(clarabel.NonnegativeConeT, 2, right)
 
-    def ball(self, vector: Affine, centre: FloatArray, radius: float) -> None:
-        """Require ‖vector − centre‖ ≤ radius."""
+    def ball(self, vector: Affine, centre: FloatArray, radius: float) -> slice:
+        """Require ‖vector − centre‖ ≤ radius; return the rows of the vector."""
         size = len(vector.offset)
         self._place(vector.columns, -np.vstack([np.zeros(len(vector.columns)), vector.block]))
         right = np.concatenate([[radius], vector.offset - centre])
-        self._close(clarabel.SecondOrderConeT, size + 1, right)
+        rows = self._close(clarabel.SecondOrderConeT, size + 1, right)
+        return slice(rows.start + 1, rows.stop)
 
-    def norm(self, vector: Affine, cost: float) -> None:
-        """Add ``cost`` times ‖vector‖ to the objective."""
+    def norm(self, vector: Affine, cost: float) -> slice:
+        """Add ``cost`` times ‖vector‖ to the objective; return the rows of the vector."""
         (epigraph,) = self.variables(1, cost)
         size = len(vector.offset)
         block = np.zeros((size + 1, len(vector.columns) + 1))
@@ -83,12 +85,24 @@ class ConeProgram:
         block[1:, :-1] = vector.block
         self._place([*vector.columns, epigraph], -block)
         right = np.concatenate([[0.0], vector.offset])
-        self._close(clarabel.SecondOrderConeT, size + 1, right)
+        rows = self._close(clarabel.SecondOrderConeT, size + 1, right)
+        return slice(rows.start + 1, rows.stop)
 
     def absolute(self, scalar: Affine, sign: float, cost: float) -> None:
         """Add ``cost`` times |scalar| to the objective, for a scalar whose sign is known."""
         for column, factor in zip(scalar.columns, scalar.block[0], strict=True):
             self._cost[column] += cost * sign * factor
+
+    def keep(self, target: FloatArray, rows: slice, factor: FloatArray | float) -> None:
+        """Have `write_multipliers` set ``target`` to the rows' multipliers times ``factor``."""
+        self._kept.append((target, rows, factor))
+
+    def write_multipliers(self, solution: Any) -> None:
+        """Write what is wanted of the dual solution, in units of cost per unit of the vectors."""
+        multipliers = self.cost_unit * np.array(solution.z)
+        for target, rows, factor in self._kept:
+            own = multipliers[rows]
+            target[:] = factor @ own if np.ndim(factor) == 2 else factor * own
 
     def solve(self, tolerance: float, equilibrate: bool) -> Any:
         """Run Clarabel and return its solution, however far it came.
@@ -118,7 +132,8 @@ class ConeProgram:
             self._columns += columns
         self._entries.append(block.ravel())
 
-    def _close(self, cone: Callable[[int], Any], size: int, right: Any) -> None:
+    def _close(self, cone: Callable[[int], Any], size: int, right: Any) -> slice:
         self._cones.append(cone(size))
         self._right.append(np.asarray(right, dtype=np.float64))
         self._num_rows += size
+        return slice(self._num_rows - size, self._num_rows)

@@ -1,0 +1,234 @@
+"""From an answer that nearly balances and nearly fits its balls to one that does.
+
+A wrench that leaves a ball by ε may be √ε cheaper than is possible, so that an interior-point
+answer must be brought back before its cost means anything. Newton steps do that: the shortest step,
+every vector measured in its own length, that restores balance and takes each ball that was ever
+left to its surface. What is still outside then is drawn back towards the applied wrench, which
+keeps the balance: ‖θ x_I‖² ≤ θ xᵀx_I. The best of all steps counts.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.wrench.conic_parts import (
+    NEGLIGIBLE,
+    TINY,
+    Parts,
+    along_lever,
+    direction,
+    norm,
+    parts_of,
+    saving_of,
+    turned,
+)
+from coopenv.wrench.grasp import grasp_matrix, sum_at_centre
+
+STEPS = 30  # one or two are enough for all but thin feasible sets
+ROUNDING = 4e-16  # of its own size by which a vector may leave its ball
+BALANCED = 1e-15  # what may miss from balance, in parts of the largest force or torque
+USABLE = 1e-14  # what may miss for a step to count at all
+SOFT = 1e-14  # balance comes before a ball by this square: thin sets have nearly no way out
+
+
+class _Samples(NamedTuple):
+    """What does not change from step to step."""
+
+    applied: FloatArray
+    grips: FloatArray
+    whole: Parts
+    tolerance: Parts  # by which a part may leave its ball (m, n)
+    unit: FloatArray  # of each row of balance (m, k)
+    rays: BoolArray  # forces that must stay on their line (m, n)
+    force_size: FloatArray  # (m, n), 0 for what is left as applied [N]
+    torque_size: FloatArray  # [N·m]
+    force_balance: FloatArray  # G in these sizes and units, (m, k, n, d)
+    torque_balance: FloatArray  # (m, k, n, 1) or (m, k, n, 3)
+
+
+def plausible(
+    manipulation: FloatArray,
+    applied: FloatArray,
+    grips: FloatArray,
+    weights: Parts,
+    wanted: FloatArray,
+) -> FloatArray:
+    """Return plausible wrenches that balance, as cheap as the ones given let us find them.
+
+    Parameters
+    ----------
+    manipulation, applied, grips
+        ``(m, n, k)``, ``(m, n, k)`` and ``(m, n, d)`` [N, N·m, m]; the first nearly an answer.
+    weights
+        Costs of force, torque and induced torque.
+    wanted
+        Saving J(h) − J ``(m)`` at which to stop [N].
+    """
+    best = with_torques_shared(applied, grips.shape[-1])
+    saving = saving_of(parts_of(applied - best, grips), parts_of(applied, grips), weights)
+    current, samples = manipulation, _samples(applied, grips)
+    left = np.arange(len(applied))  # samples that are not done
+    held = Parts(*(np.zeros(part.shape[:-1], dtype=np.bool_) for part in samples.whole))
+    for _ in range(STEPS + 1):
+        missing = sum_at_centre(samples.applied - current, samples.grips) / samples.unit
+        out = excess(parts_of(current, samples.grips), samples.whole)
+        held, fits = _hold(held, out, samples.tolerance)
+        tried, saved = _drawn_back(current, out, samples, weights)
+        miss = np.abs(missing).max(axis=-1)
+        better = (miss <= USABLE) & (saved > saving[left])
+        best[left[better]], saving[left[better]] = tried[better], saved[better]
+        todo = ~(fits & (miss <= BALANCED)) & (saving[left] < wanted[left])
+        if not todo.any():
+            break
+        if not todo.all():
+            left, current, missing = left[todo], current[todo], missing[todo]
+            held, out = Parts(*(h[todo] for h in held)), Parts(*(o[todo] for o in out))
+            samples = _samples(applied[left], grips[left])
+        current = current + _step(current, missing, held, out, samples)
+    return best
+
+
+def with_torques_shared(applied: FloatArray, dimension: int) -> FloatArray:
+    """Return applied wrenches whose torques are shared along their sum (eqs. 22-23)."""
+    torque = applied[..., dimension:]
+    resultant = torque.sum(axis=-2, keepdims=True)
+    along = np.maximum((torque * resultant).sum(axis=-1, keepdims=True), 0.0)
+    total = along.sum(axis=-2, keepdims=True)
+    shared = applied.copy()
+    shared[..., dimension:] = along / np.where(total > 0, total, 1.0) * resultant
+    return shared
+
+
+def excess(manipulation: Parts, whole: Parts) -> Parts:
+    """By how much parts leave their balls, ‖x − v/2‖ − ‖v‖/2 ``(m, n)``; negative inside."""
+    pairs = zip(manipulation, whole, strict=True)
+    return Parts(*(norm(x - 0.5 * v) - 0.5 * norm(v) for x, v in pairs))
+
+
+def rounding_of(whole: Parts, grips: FloatArray) -> Parts:
+    """By how much parts may leave their balls ``(m, n)``."""
+    force = ROUNDING * norm(whole.force)
+    return Parts(force, ROUNDING * norm(whole.torque), force * norm(grips))
+
+
+def _samples(applied: FloatArray, grips: FloatArray) -> _Samples:
+    whole = parts_of(applied, grips)
+    (count, num_effectors, size), dimension = applied.shape, grips.shape[-1]
+    force, torque = norm(whole.force), norm(whole.torque)
+    unit = balance_unit(whole, grips)
+    force_size = np.where(force > NEGLIGIBLE * unit[:, :1], force, 0.0)
+    torque_size = np.where(torque > NEGLIGIBLE * unit[:, -1:], torque, 0.0)
+    matrix = grasp_matrix(grips).reshape(count, size, num_effectors, size)
+    matrix /= unit[:, :, None, None]
+    return _Samples(
+        applied,
+        grips,
+        whole,
+        rounding_of(whole, grips),
+        unit,
+        along_lever(whole, grips),
+        force_size,
+        torque_size,
+        matrix[..., :dimension] * force_size[:, None, :, None],
+        matrix[..., dimension:] * torque_size[:, None, :, None],
+    )
+
+
+def balance_unit(whole: Parts, grips: FloatArray) -> FloatArray:
+    """Return the largest force, and torque it may have to balance, for each row ``(m, k)``."""
+    force = norm(whole.force).max(axis=-1, keepdims=True)
+    torque = np.maximum(
+        norm(whole.torque).max(axis=-1, keepdims=True),
+        norm(grips).max(axis=-1, keepdims=True) * force,
+    )
+    rows = [whole.force.shape[-1], whole.torque.shape[-1]]
+    return np.maximum(np.repeat(np.concatenate([force, torque], axis=-1), rows, axis=-1), TINY)
+
+
+def _hold(held: Parts, out: Parts, tolerance: Parts) -> tuple[Parts, BoolArray]:
+    """Add to the balls that are held those just left; also return whether a sample left none."""
+    outside = [o > t for o, t in zip(out, tolerance, strict=True)]
+    fits = ~(outside[0] | outside[1] | outside[2]).any(axis=-1)
+    return Parts(*(h | o for h, o in zip(held, outside, strict=True))), fits
+
+
+def _drawn_back(
+    current: FloatArray, out: Parts, samples: _Samples, weights: Parts
+) -> tuple[FloatArray, FloatArray]:
+    """Return plausible blends with the applied wrench, and what they save [N]."""
+    internal = samples.applied - current
+    inner = parts_of(internal, samples.grips)
+    reach = np.ones(len(internal))
+    for g, v, o, t in zip(inner, samples.whole, out, samples.tolerance, strict=True):
+        room = np.maximum((g * v).sum(axis=-1), 0.0) / np.maximum((g * g).sum(axis=-1), TINY)
+        reach = np.minimum(reach, np.where(o > t, room, 1.0).min(axis=-1))
+    reach = reach[:, None, None]
+    inner = Parts(*(reach * g for g in inner))
+    saved = saving_of(inner, samples.whole, weights)
+    return np.where(reach < 1.0, samples.applied - reach * internal, current), saved
+
+
+def _step(
+    current: FloatArray, missing: FloatArray, held: Parts, out: Parts, samples: _Samples
+) -> FloatArray:
+    """Shortest change, in the vectors' own lengths, that restores balance and the held balls."""
+    parts = parts_of(current, samples.grips)
+    push, free = _force_constraints(parts, held, out, samples)
+    turn, loose = _torque_constraints(parts, held, out, samples)
+    by_force = np.einsum("mkni,mnij->mknj", samples.force_balance, free)
+    by_torque = np.einsum("mkni,mnij->mknj", samples.torque_balance, loose)
+    matrix = np.einsum("mkni,mlni->mkl", by_force, samples.force_balance)
+    matrix += np.einsum("mkni,mlni->mkl", by_torque, samples.torque_balance)
+    missing = missing - np.einsum("mkni,mni->mk", samples.force_balance, push)
+    missing -= np.einsum("mkni,mni->mk", samples.torque_balance, turn)
+    inverse = np.linalg.pinv(matrix, rcond=1e-15, hermitian=True)
+    multipliers = np.einsum("mkl,ml->mk", inverse, missing)
+    push = push + np.einsum("mkni,mk->mni", by_force, multipliers)
+    turn = turn + np.einsum("mkni,mk->mni", by_torque, multipliers)
+    sizes = samples.force_size[..., None], samples.torque_size[..., None]
+    return np.concatenate([push * sizes[0], turn * sizes[1]], axis=-1)
+
+
+def _torque_constraints(
+    parts: Parts, held: Parts, out: Parts, samples: _Samples
+) -> tuple[FloatArray, FloatArray]:
+    """Step ``(m, n, d)`` to the surface of held balls, and the projection that stays there."""
+    normal = direction(parts.torque - 0.5 * samples.whole.torque) * held.torque[..., None]
+    depth = out.torque / np.maximum(samples.torque_size, TINY)
+    return -depth[..., None] * normal, np.eye(normal.shape[-1]) - _outer(normal)
+
+
+def _force_constraints(
+    parts: Parts, held: Parts, out: Parts, samples: _Samples
+) -> tuple[FloatArray, FloatArray]:
+    """Do the same for forces, which are held by two balls, or by a line and a ball."""
+    whole, size = samples.whole, np.maximum(samples.force_size, TINY)
+    normal = direction(parts.force - 0.5 * whole.force) * held.force[..., None]
+    wanted = -out.force / size * held.force
+    free = np.broadcast_to(np.eye(normal.shape[-1]), (*size.shape, *[normal.shape[-1]] * 2))
+    if samples.rays.any():
+        rays, line = samples.rays[..., None], direction(whole.force)
+        normal = np.where(rays, np.sign((normal * line).sum(-1, keepdims=True)) * line, normal)
+        free = np.where(rays[..., None], line[..., :, None] * line[..., None, :], free)
+    step = wanted[..., None] * normal
+    free = free - _outer(normal)
+    twisted = held.induced & ~samples.rays
+    if twisted.any():
+        row = turned(direction(parts.induced - 0.5 * whole.induced), samples.grips)
+        lever = np.maximum(norm(row), TINY)
+        row = row / lever[..., None]
+        shadow = (row * normal).sum(axis=-1)
+        second = row - shadow[..., None] * normal
+        own = norm(second)
+        apart = twisted & (own > 1e-6)
+        second = second * (apart / np.maximum(own, TINY))[..., None]
+        further = -out.induced / np.maximum(lever * size, TINY) - shadow * wanted
+        step = step + (np.where(apart, further, 0.0) / np.maximum(own, TINY))[..., None] * second
+        free = free - _outer(second)
+    return step, free
+
+
+def _outer(normal: FloatArray) -> FloatArray:
+    """Return n nᵀ, a little less of it."""
+    return (1.0 - SOFT) * normal[..., :, None] * normal[..., None, :]
