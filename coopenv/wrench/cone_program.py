@@ -120,11 +120,18 @@ class ConeProgram:
         settings.equilibrate_enable = equilibrate
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         shape = (self._num_rows, len(self._cost))
-        entries = np.concatenate(self._entries)
-        matrix = sparse.csc_matrix((entries, (self._rows, self._columns)), shape)
-        nothing = sparse.csc_matrix((shape[1], shape[1]))
+        matrix, nothing = self._matrix(shape), sparse.csc_matrix((shape[1], shape[1]))
         cost, right = np.array(self._cost) / self.cost_unit, np.concatenate(self._right)
         return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
+
+    def _matrix(self, shape: tuple[int, int]) -> Any:
+        """Return A; its columns are put together here, as SciPy takes ten times as long."""
+        rows, columns = np.array(self._rows), np.array(self._columns)
+        order = np.lexsort((rows, columns))
+        starts = np.zeros(shape[1] + 1, dtype=np.int32)
+        np.cumsum(np.bincount(columns, minlength=shape[1]), out=starts[1:])
+        entries = np.concatenate(self._entries)[order]
+        return sparse.csc_matrix((entries, rows[order], starts), shape)
 
     def _place(self, columns: list[int], block: FloatArray) -> None:
         for row in range(self._num_rows, self._num_rows + len(block)):

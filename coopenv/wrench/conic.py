@@ -16,7 +16,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import SolverError
@@ -29,7 +28,7 @@ from coopenv.wrench.conic_feasible import (
     rounding_of,
     with_torques_shared,
 )
-from coopenv.wrench.conic_parts import PARALLEL, Parts, cost_of, parts_of, saving_of, sum_over
+from coopenv.wrench.conic_parts import PARALLEL, Parts, cost_of, parts_of, sum_over
 from coopenv.wrench.conic_program import wrench_program
 from coopenv.wrench.grasp import sum_at_centre
 
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-10  # asked of Clarabel: feasibility, and gap relative to the applied cost
 ACCEPTED = 1e-5  # gap and residuals up to which an early stop still counts as an answer
-GOOD = 1e-9  # gap in parts of J(h) that is not worth more work
+GOOD = 1e-10  # gap in parts of J(h) that is not worth more work
 UNSEEN = 1e-16  # of the largest force or torque: what balance may miss without our seeing it
 TOGETHER = 256  # samples whose answers are judged and mended at once
 
@@ -64,17 +63,17 @@ def _solve_batch(
 ) -> tuple[FloatArray, FloatArray]:
     """Manipulation wrenches and gaps [N]; samples one after the other."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-    wrenches = np.broadcast_to(applied, (*batch, *applied.shape[-2:]))
-    all_grips = np.broadcast_to(grips, (*batch, *grips.shape[-2:]))
-    manipulation, gap = _agreeing(wrenches, grips.shape[-1]), np.zeros(batch)
-    unanswered = np.argwhere(np.isnan(manipulation[..., 0, 0]))
+    wrenches = np.broadcast_to(applied, (*batch, *applied.shape[-2:])).reshape(
+        -1, *applied.shape[-2:]
+    )
+    places = np.broadcast_to(grips, (*batch, *grips.shape[-2:])).reshape(-1, *grips.shape[-2:])
+    manipulation, gap = _agreeing(wrenches, grips.shape[-1]), np.zeros(len(wrenches))
+    unanswered = np.flatnonzero(np.isnan(manipulation[:, 0, 0]))
     for first in range(0, len(unanswered), TOGETHER):
-        indices = unanswered[first : first + TOGETHER]
-        some = tuple(indices.T)
-        manipulation[some], gap[some] = _solve_samples(
-            wrenches[some], all_grips[some], weights, indices
-        )
-    return manipulation, gap
+        some = unanswered[first : first + TOGETHER]
+        names = list(zip(*np.unravel_index(some, batch), strict=True)) if batch else [()]
+        manipulation[some], gap[some] = _solve_samples(wrenches[some], places[some], weights, names)
+    return manipulation.reshape(*batch, *applied.shape[-2:]), gap.reshape(batch)
 
 
 def _agreeing(applied: FloatArray, dimension: int) -> FloatArray:
@@ -103,49 +102,42 @@ def _parallel(vectors: FloatArray) -> BoolArray:
 
 
 def _solve_samples(
-    applied: FloatArray, grips: FloatArray, weights: Parts, indices: NDArray[np.intp]
+    applied: FloatArray, grips: FloatArray, weights: Parts, names: list[tuple[int, ...]]
 ) -> tuple[FloatArray, FloatArray]:
     """Samples ``(m, n, k)``: Clarabel for each, then for all what its answers are worth."""
     whole = parts_of(applied, grips)
     cost = cost_of(whole, weights)
     duals = default_duals(whole, weights)
     manipulation = np.empty_like(applied)
-    for i, index in enumerate(indices):
+    for i, name in enumerate(names):
         own = Duals(*(values[i] for values in duals))
-        program, parts = wrench_program(applied[i], grips[i], weights, cost[i], own)
-        solution = _run(program, tuple(index.tolist()))
+        sample = Parts(*(part[i] for part in whole))
+        program, parts = wrench_program(sample, grips[i], weights, float(cost[i]), own)
+        solution = _run(program, name)
         program.write_multipliers(solution)
         x = np.array(solution.x)
         manipulation[i] = [np.concatenate([f.value(x), t.value(x)]) for f, t in parts]
     bound = best_bound(whole, grips, weights, duals)
     wanted = bound.shortfall - GOOD * cost
-    manipulation = plausible(manipulation, applied, grips, weights, wanted)
-    return manipulation, _gap(manipulation, applied, grips, weights, bound)
+    manipulation, saved = plausible(manipulation, applied, whole, grips, weights, wanted)
+    slack = _slack(manipulation, applied, whole, grips, bound)
+    slack = np.minimum(slack, np.maximum(saved, 0.0))  # J* ≤ J(h)
+    return manipulation, np.maximum(np.abs(bound.shortfall - saved), slack)
 
 
-def _gap(
-    manipulation: FloatArray, applied: FloatArray, grips: FloatArray, weights: Parts, bound: Bound
+def _slack(
+    manipulation: FloatArray, applied: FloatArray, whole: Parts, grips: FloatArray, bound: Bound
 ) -> FloatArray:
-    """Bound |J − J*| [N].
-
-    J* ≥ J(h) − shortfall is certain. J is that of a plausible wrench but for rounding, which is
-    worth the multipliers, and never more than what was saved: J* ≤ J(h).
-    """
-    whole = parts_of(applied, grips)
-    saved = saving_of(parts_of(applied - manipulation, grips), whole, weights)
+    """Estimate how far below J* the cost may be, as answers are plausible only to rounding [N]."""
     outside = excess(parts_of(manipulation, grips), whole)
-    slack = [
-        np.maximum(out, rounding)
-        for out, rounding in zip(outside, rounding_of(whole, grips), strict=True)
-    ]
-    rounding = sum_over(bound.balls, Parts(*slack))
+    rounding = rounding_of(whole, grips)
+    beyond = Parts(*(np.maximum(o, r) for o, r in zip(outside, rounding, strict=True)))
     missing = np.abs(sum_at_centre(applied - manipulation, grips))
     missing = np.maximum(missing, UNSEEN * balance_unit(whole, grips))
-    rounding += (bound.balance * missing).sum(axis=-1)
-    return np.maximum(np.abs(bound.shortfall - saved), np.minimum(rounding, np.maximum(saved, 0.0)))
+    return sum_over(bound.balls, beyond) + (bound.balance * missing).sum(axis=-1)
 
 
-def _run(program: ConeProgram, index: tuple[int, ...]) -> Any:
+def _run(program: ConeProgram, name: tuple[int, ...]) -> Any:
     for equilibrate in (False, True):  # our units are better nearly always
         solution = program.solve(TOLERANCE, equilibrate)
         gap = abs(solution.obj_val - solution.obj_val_dual)
@@ -153,6 +145,6 @@ def _run(program: ConeProgram, index: tuple[int, ...]) -> Any:
         if (errors <= ACCEPTED).all():
             return solution
     raise SolverError(
-        f"Clarabel stopped with status {solution.status} at sample {index}, gap and residuals "
-        f"{errors}; please report this wrench and these grips"
+        f"Clarabel stopped with status {solution.status} at sample {tuple(map(int, name))}, gap "
+        f"and residuals {errors}; please report this wrench and these grips"
     )

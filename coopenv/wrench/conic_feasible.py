@@ -50,24 +50,29 @@ class _Samples(NamedTuple):
 def plausible(
     manipulation: FloatArray,
     applied: FloatArray,
+    whole: Parts,
     grips: FloatArray,
     weights: Parts,
     wanted: FloatArray,
-) -> FloatArray:
-    """Return plausible wrenches that balance, as cheap as the ones given let us find them.
+) -> tuple[FloatArray, FloatArray]:
+    """Return plausible wrenches that balance, as cheap as can be found, and J(h) − J ``(m)`` [N].
 
     Parameters
     ----------
-    manipulation, applied, grips
-        ``(m, n, k)``, ``(m, n, k)`` and ``(m, n, d)`` [N, N·m, m]; the first nearly an answer.
+    manipulation, applied
+        ``(m, n, k)`` [N, N·m]; the first nearly an answer.
+    whole
+        The parts of the second.
+    grips
+        ``(m, n, d)`` [m].
     weights
         Costs of force, torque and induced torque.
     wanted
         Saving J(h) − J ``(m)`` at which to stop [N].
     """
     best = with_torques_shared(applied, grips.shape[-1])
-    saving = saving_of(parts_of(applied - best, grips), parts_of(applied, grips), weights)
-    current, samples = manipulation, _samples(applied, grips)
+    saving = saving_of(parts_of(applied - best, grips), whole, weights)
+    current, samples = manipulation, _samples(applied, whole, grips)
     left = np.arange(len(applied))  # samples that are not done
     held = Parts(*(np.zeros(part.shape[:-1], dtype=np.bool_) for part in samples.whole))
     for _ in range(STEPS + 1):
@@ -84,9 +89,10 @@ def plausible(
         if not todo.all():
             left, current, missing = left[todo], current[todo], missing[todo]
             held, out = Parts(*(h[todo] for h in held)), Parts(*(o[todo] for o in out))
-            samples = _samples(applied[left], grips[left])
+            remaining = Parts(*(part[left] for part in whole))
+            samples = _samples(applied[left], remaining, grips[left])
         current = current + _step(current, missing, held, out, samples)
-    return best
+    return best, saving
 
 
 def with_torques_shared(applied: FloatArray, dimension: int) -> FloatArray:
@@ -112,8 +118,7 @@ def rounding_of(whole: Parts, grips: FloatArray) -> Parts:
     return Parts(force, ROUNDING * norm(whole.torque), force * norm(grips))
 
 
-def _samples(applied: FloatArray, grips: FloatArray) -> _Samples:
-    whole = parts_of(applied, grips)
+def _samples(applied: FloatArray, whole: Parts, grips: FloatArray) -> _Samples:
     (count, num_effectors, size), dimension = applied.shape, grips.shape[-1]
     force, torque = norm(whole.force), norm(whole.torque)
     unit = balance_unit(whole, grips)

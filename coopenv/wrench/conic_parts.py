@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.wrench.grasp import moment
+from coopenv.wrench.grasp import cross, moment
 
 PARALLEL = 1e-12  # sine of the angle below which two vectors count as parallel
 NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
@@ -30,7 +30,7 @@ def turned(torque: FloatArray, grips: FloatArray) -> FloatArray:
     """Return S(r)ᵀ τ: what a multiplier of the torque r × f means for the force f."""
     if grips.shape[-1] == 2:
         return torque * np.stack([-grips[..., 1], grips[..., 0]], axis=-1)
-    return np.cross(torque, grips)
+    return cross(torque, grips)
 
 
 def along_lever(whole: Parts, grips: FloatArray) -> BoolArray:
