@@ -1,6 +1,7 @@
 """A cone program assembled piece by piece: min qᵀx subject to b − A x in a product of cones."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import clarabel as compiled_clarabel
@@ -120,7 +121,7 @@ class ConeProgram:
         settings.equilibrate_enable = equilibrate
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         shape = (self._num_rows, len(self._cost))
-        matrix, nothing = self._matrix(shape), sparse.csc_matrix((shape[1], shape[1]))
+        matrix, nothing = self._matrix(shape), _no_quadratic_cost(shape[1])
         cost, right = np.array(self._cost) / self.cost_unit, np.concatenate(self._right)
         return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
 
@@ -144,3 +145,8 @@ class ConeProgram:
         self._right.append(np.asarray(right, dtype=np.float64))
         self._num_rows += size
         return slice(self._num_rows - size, self._num_rows)
+
+
+@lru_cache(maxsize=32)
+def _no_quadratic_cost(num_variables: int) -> Any:
+    return sparse.csc_matrix((num_variables, num_variables))

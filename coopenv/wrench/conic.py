@@ -23,12 +23,11 @@ from coopenv.wrench.cone_program import ConeProgram
 from coopenv.wrench.conic_bound import Bound, Duals, best_bound, default_duals
 from coopenv.wrench.conic_feasible import (
     balance_unit,
-    excess,
     plausible,
     rounding_of,
     with_torques_shared,
 )
-from coopenv.wrench.conic_parts import PARALLEL, Parts, cost_of, parts_of, sum_over
+from coopenv.wrench.conic_parts import PARALLEL, Parts, cost_of, direction, norm, parts_of, sum_over
 from coopenv.wrench.conic_program import wrench_program
 from coopenv.wrench.grasp import sum_at_centre
 
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-10  # asked of Clarabel: feasibility, and gap relative to the applied cost
 ACCEPTED = 1e-5  # gap and residuals up to which an early stop still counts as an answer
 GOOD = 1e-10  # gap in parts of J(h) that is not worth more work
-UNSEEN = 1e-16  # of the largest force or torque: what balance may miss without our seeing it
+UNSEEN = 1e-16  # of the largest part of h_I: what balance may miss without our seeing it
 TOGETHER = 256  # samples whose answers are judged and mended at once
 
 
@@ -93,12 +92,10 @@ def _agreeing(applied: FloatArray, dimension: int) -> FloatArray:
 def _parallel(vectors: FloatArray) -> BoolArray:
     """Whether all vectors ``(..., n, d)`` of a sample point in the same direction, or vanish."""
     resultant = vectors.sum(axis=-2, keepdims=True)
-    length = np.linalg.norm(resultant, axis=-1, keepdims=True)
-    direction = resultant / np.where(length > 0, length, 1.0)
-    along = (vectors * direction).sum(axis=-1, keepdims=True)
-    across = np.linalg.norm(vectors - along * direction, axis=-1)
-    own = np.linalg.norm(vectors, axis=-1)
-    return np.asarray(((along[..., 0] >= 0.0) & (across <= PARALLEL * own)).all(axis=-1))
+    towards = direction(resultant)
+    along = (vectors * towards).sum(axis=-1, keepdims=True)
+    across = norm(vectors - along * towards)
+    return np.asarray(((along[..., 0] >= 0.0) & (across <= PARALLEL * norm(vectors))).all(axis=-1))
 
 
 def _solve_samples(
@@ -119,22 +116,17 @@ def _solve_samples(
         manipulation[i] = [np.concatenate([f.value(x), t.value(x)]) for f, t in parts]
     bound = best_bound(whole, grips, weights, duals)
     wanted = bound.shortfall - GOOD * cost
-    manipulation, saved = plausible(manipulation, applied, whole, grips, weights, wanted)
-    slack = _slack(manipulation, applied, whole, grips, bound)
-    slack = np.minimum(slack, np.maximum(saved, 0.0))  # J* ≤ J(h)
-    return manipulation, np.maximum(np.abs(bound.shortfall - saved), slack)
+    internal, saved = plausible(applied - manipulation, applied, grips, weights, wanted)
+    slack = np.minimum(_slack(internal, whole, grips, bound), np.maximum(saved, 0.0))  # J* ≤ J(h)
+    return applied - internal, np.maximum(np.abs(bound.shortfall - saved), slack)
 
 
-def _slack(
-    manipulation: FloatArray, applied: FloatArray, whole: Parts, grips: FloatArray, bound: Bound
-) -> FloatArray:
+def _slack(internal: FloatArray, whole: Parts, grips: FloatArray, bound: Bound) -> FloatArray:
     """Estimate how far below J* the cost may be, as answers are plausible only to rounding [N]."""
-    outside = excess(parts_of(manipulation, grips), whole)
-    rounding = rounding_of(whole, grips)
-    beyond = Parts(*(np.maximum(o, r) for o, r in zip(outside, rounding, strict=True)))
-    missing = np.abs(sum_at_centre(applied - manipulation, grips))
-    missing = np.maximum(missing, UNSEEN * balance_unit(whole, grips))
-    return sum_over(bound.balls, beyond) + (bound.balance * missing).sum(axis=-1)
+    parts = parts_of(internal, grips)
+    missing = np.abs(sum_at_centre(internal, grips)) + UNSEEN * balance_unit(parts, grips)
+    worth = sum_over(bound.balls, rounding_of(parts, whole, grips))
+    return worth + (bound.balance * missing).sum(axis=-1)
 
 
 def _run(program: ConeProgram, name: tuple[int, ...]) -> Any:

@@ -5,6 +5,9 @@ answer must be brought back before its cost means anything. Newton steps do that
 every vector measured in its own length, that restores balance and takes each ball that was ever
 left to its surface. What is still outside then is drawn back towards the applied wrench, which
 keeps the balance: ‖θ x_I‖² ≤ θ xᵀx_I. The best of all steps counts.
+
+All this is done to x_I, which is small where the set is thin: rounding of 1e-16 of x is worth 1e-8
+of its cost there, rounding of 1e-16 of x_I is not.
 """
 
 from typing import NamedTuple
@@ -26,8 +29,10 @@ from coopenv.wrench.conic_parts import (
 from coopenv.wrench.grasp import grasp_matrix, sum_at_centre
 
 STEPS = 30  # one or two are enough for all but thin feasible sets
-ROUNDING = 4e-16  # of its own size by which a vector may leave its ball
-BALANCED = 1e-15  # what may miss from balance, in parts of the largest force or torque
+ROUNDING = 4e-16  # of the length of a part of x_I by which it may leave its ball
+FLOOR = 1e-20  # the same of x, for what should be 0; worth no more than its root
+NOISE = 1e-15  # of the largest part of x_I: what may as well be 0
+BALANCED = 2e-15  # what may miss from balance, in parts of the largest part of x_I
 USABLE = 1e-14  # what may miss for a step to count at all
 SOFT = 1e-14  # balance comes before a ball by this square: thin sets have nearly no way out
 
@@ -35,10 +40,8 @@ SOFT = 1e-14  # balance comes before a ball by this square: thin sets have nearl
 class _Samples(NamedTuple):
     """What does not change from step to step."""
 
-    applied: FloatArray
     grips: FloatArray
     whole: Parts
-    tolerance: Parts  # by which a part may leave its ball (m, n)
     unit: FloatArray  # of each row of balance (m, k)
     rays: BoolArray  # forces that must stay on their line (m, n)
     force_size: FloatArray  # (m, n), 0 for what is left as applied [N]
@@ -48,21 +51,14 @@ class _Samples(NamedTuple):
 
 
 def plausible(
-    manipulation: FloatArray,
-    applied: FloatArray,
-    whole: Parts,
-    grips: FloatArray,
-    weights: Parts,
-    wanted: FloatArray,
+    internal: FloatArray, applied: FloatArray, grips: FloatArray, weights: Parts, wanted: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return plausible wrenches that balance, as cheap as can be found, and J(h) − J ``(m)`` [N].
+    """Return balanced plausible internal wrenches that save as much as can be found, and how much.
 
     Parameters
     ----------
-    manipulation, applied
+    internal, applied
         ``(m, n, k)`` [N, N·m]; the first nearly an answer.
-    whole
-        The parts of the second.
     grips
         ``(m, n, d)`` [m].
     weights
@@ -70,28 +66,32 @@ def plausible(
     wanted
         Saving J(h) − J ``(m)`` at which to stop [N].
     """
-    best = with_torques_shared(applied, grips.shape[-1])
-    saving = saving_of(parts_of(applied - best, grips), whole, weights)
-    current, samples = manipulation, _samples(applied, whole, grips)
+    samples = _samples(applied, grips)
+    best = applied - with_torques_shared(applied, grips.shape[-1])
+    saving = saving_of(parts_of(best, grips), samples.whole, weights)
     left = np.arange(len(applied))  # samples that are not done
     held = Parts(*(np.zeros(part.shape[:-1], dtype=np.bool_) for part in samples.whole))
     for _ in range(STEPS + 1):
-        missing = sum_at_centre(samples.applied - current, samples.grips) / samples.unit
-        out = excess(parts_of(current, samples.grips), samples.whole)
-        held, fits = _hold(held, out, samples.tolerance)
-        tried, saved = _drawn_back(current, out, samples, weights)
-        miss = np.abs(missing).max(axis=-1)
+        internal = _without_noise(internal, samples.grips)
+        parts = parts_of(internal, samples.grips)
+        out = _excess(parts, samples.whole)
+        tolerance = rounding_of(parts, samples.whole, samples.grips)
+        outside = Parts(*(o > t for o, t in zip(out, tolerance, strict=True)))
+        held = Parts(*(h | o for h, o in zip(held, outside, strict=True)))
+        fits = ~np.logical_or.reduce([o.any(axis=-1) for o in outside])
+        missing = -sum_at_centre(internal, samples.grips)
+        miss = (np.abs(missing) / balance_unit(parts, samples.grips)).max(axis=-1)
+        reach, saved = _drawn_back(parts, outside, samples, weights)
         better = (miss <= USABLE) & (saved > saving[left])
-        best[left[better]], saving[left[better]] = tried[better], saved[better]
+        best[left[better]], saving[left[better]] = (reach * internal)[better], saved[better]
         todo = ~(fits & (miss <= BALANCED)) & (saving[left] < wanted[left])
         if not todo.any():
             break
         if not todo.all():
-            left, current, missing = left[todo], current[todo], missing[todo]
-            held, out = Parts(*(h[todo] for h in held)), Parts(*(o[todo] for o in out))
-            remaining = Parts(*(part[left] for part in whole))
-            samples = _samples(applied[left], remaining, grips[left])
-        current = current + _step(current, missing, held, out, samples)
+            left, internal, missing = left[todo], internal[todo], missing[todo]
+            held, out, parts = (Parts(*(v[todo] for v in each)) for each in (held, out, parts))
+            samples = _samples(applied[left], grips[left])
+        internal = internal + _step(parts, missing / samples.unit, held, out, samples)
     return best, saving
 
 
@@ -106,19 +106,43 @@ def with_torques_shared(applied: FloatArray, dimension: int) -> FloatArray:
     return shared
 
 
-def excess(manipulation: Parts, whole: Parts) -> Parts:
-    """By how much parts leave their balls, ‖x − v/2‖ − ‖v‖/2 ``(m, n)``; negative inside."""
-    pairs = zip(manipulation, whole, strict=True)
-    return Parts(*(norm(x - 0.5 * v) - 0.5 * norm(v) for x, v in pairs))
+def _without_noise(internal: FloatArray, grips: FloatArray) -> FloatArray:
+    """Put forces and torques to 0 that are no more than rounding of the largest.
+
+    What must be 0 may not point anywhere else.
+    """
+    parts = parts_of(internal, grips)
+    unit = balance_unit(parts, grips)
+    dimension = grips.shape[-1]
+    kept = internal.copy()
+    kept[..., :dimension][norm(parts.force) <= NOISE * unit[:, :1]] = 0.0
+    kept[..., dimension:][norm(parts.torque) <= NOISE * unit[:, -1:]] = 0.0
+    return kept
 
 
-def rounding_of(whole: Parts, grips: FloatArray) -> Parts:
+def _excess(internal: Parts, whole: Parts) -> Parts:
+    """By how much parts leave their balls ``(m, n)``, negative inside; accurate near 0.
+
+    ‖x − v/2‖ − ‖v‖/2 = (‖x‖² − x·v) / (‖x − v/2‖ + ‖v‖/2)
+    """
+    return Parts(
+        *(
+            (x * (x - v)).sum(axis=-1) / np.maximum(norm(x - 0.5 * v) + 0.5 * norm(v), TINY)
+            for x, v in zip(internal, whole, strict=True)
+        )
+    )
+
+
+def rounding_of(internal: Parts, whole: Parts, grips: FloatArray) -> Parts:
     """By how much parts may leave their balls ``(m, n)``."""
-    force = ROUNDING * norm(whole.force)
-    return Parts(force, ROUNDING * norm(whole.torque), force * norm(grips))
+    force, torque = (
+        ROUNDING * norm(x) + FLOOR * norm(v) for x, v in zip(internal[:2], whole[:2], strict=True)
+    )
+    return Parts(force, torque, force * norm(grips))
 
 
-def _samples(applied: FloatArray, whole: Parts, grips: FloatArray) -> _Samples:
+def _samples(applied: FloatArray, grips: FloatArray) -> _Samples:
+    whole = parts_of(applied, grips)
     (count, num_effectors, size), dimension = applied.shape, grips.shape[-1]
     force, torque = norm(whole.force), norm(whole.torque)
     unit = balance_unit(whole, grips)
@@ -127,10 +151,8 @@ def _samples(applied: FloatArray, whole: Parts, grips: FloatArray) -> _Samples:
     matrix = grasp_matrix(grips).reshape(count, size, num_effectors, size)
     matrix /= unit[:, :, None, None]
     return _Samples(
-        applied,
         grips,
         whole,
-        rounding_of(whole, grips),
         unit,
         along_lever(whole, grips),
         force_size,
@@ -151,34 +173,22 @@ def balance_unit(whole: Parts, grips: FloatArray) -> FloatArray:
     return np.maximum(np.repeat(np.concatenate([force, torque], axis=-1), rows, axis=-1), TINY)
 
 
-def _hold(held: Parts, out: Parts, tolerance: Parts) -> tuple[Parts, BoolArray]:
-    """Add to the balls that are held those just left; also return whether a sample left none."""
-    outside = [o > t for o, t in zip(out, tolerance, strict=True)]
-    fits = ~(outside[0] | outside[1] | outside[2]).any(axis=-1)
-    return Parts(*(h | o for h, o in zip(held, outside, strict=True))), fits
-
-
 def _drawn_back(
-    current: FloatArray, out: Parts, samples: _Samples, weights: Parts
+    parts: Parts, outside: Parts, samples: _Samples, weights: Parts
 ) -> tuple[FloatArray, FloatArray]:
-    """Return plausible blends with the applied wrench, and what they save [N]."""
-    internal = samples.applied - current
-    inner = parts_of(internal, samples.grips)
-    reach = np.ones(len(internal))
-    for g, v, o, t in zip(inner, samples.whole, out, samples.tolerance, strict=True):
-        room = np.maximum((g * v).sum(axis=-1), 0.0) / np.maximum((g * g).sum(axis=-1), TINY)
-        reach = np.minimum(reach, np.where(o > t, room, 1.0).min(axis=-1))
+    """Return by what to shrink internal wrenches ``(m, 1, 1)``, and what they save then [N]."""
+    reach = np.ones(len(samples.unit))
+    for x, v, o in zip(parts, samples.whole, outside, strict=True):
+        room = np.maximum((x * v).sum(axis=-1), 0.0) / np.maximum((x * x).sum(axis=-1), TINY)
+        reach = np.minimum(reach, np.where(o, room, 1.0).min(axis=-1))
     reach = reach[:, None, None]
-    inner = Parts(*(reach * g for g in inner))
-    saved = saving_of(inner, samples.whole, weights)
-    return np.where(reach < 1.0, samples.applied - reach * internal, current), saved
+    return reach, saving_of(Parts(*(reach * x for x in parts)), samples.whole, weights)
 
 
 def _step(
-    current: FloatArray, missing: FloatArray, held: Parts, out: Parts, samples: _Samples
+    parts: Parts, missing: FloatArray, held: Parts, out: Parts, samples: _Samples
 ) -> FloatArray:
     """Shortest change, in the vectors' own lengths, that restores balance and the held balls."""
-    parts = parts_of(current, samples.grips)
     push, free = _force_constraints(parts, held, out, samples)
     turn, loose = _torque_constraints(parts, held, out, samples)
     by_force = np.einsum("mkni,mnij->mknj", samples.force_balance, free)
