@@ -19,7 +19,7 @@ from coopenv.wrench.conic_parts import TINY, Parts, along_lever, direction, norm
 from coopenv.wrench.grasp import moment
 
 NEAR = 0.03  # sine of the angle to Σ f up to which forces are tried as agreeing
-AGREEMENTS = (1.0, 10.0)  # multipliers of Σ f tried there, in units of cost / sine
+AGREEMENTS = (0.1, 1.0, 10.0)  # multipliers of Σ f tried there, in units of cost / sine
 
 
 class Duals(NamedTuple):
@@ -102,7 +102,8 @@ def best_bound(whole: Parts, grips: FloatArray, weights: Parts, duals: Duals) ->
         return bound
     some = Parts(*(part[near] for part in whole))
     own, grips = Duals(*(values[near] for values in duals)), grips[near]
-    towards = towards[near, 0] * (weights.force / np.maximum(sine[near], 1e-15))[:, None]
+    costs = weights.force + weights.torque * norm(grips).max(axis=-1)
+    towards = towards[near, 0] * (costs / np.maximum(sine[near], 1e-15))[:, None]
     for candidate in _candidates(some, weights, own, towards):
         _keep_better(bound, near, bounded(some, grips, weights, candidate))
     return bound

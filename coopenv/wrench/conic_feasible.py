@@ -67,6 +67,7 @@ def plausible(
         Saving J(h) − J ``(m)`` at which to stop [N].
     """
     samples = _samples(applied, grips)
+    internal = _on_rays(internal, samples)
     best = applied - with_torques_shared(applied, grips.shape[-1])
     saving = saving_of(parts_of(best, grips), samples.whole, weights)
     left = np.arange(len(applied))  # samples that are not done
@@ -74,7 +75,7 @@ def plausible(
     for _ in range(STEPS + 1):
         internal = _without_noise(internal, samples.grips)
         parts = parts_of(internal, samples.grips)
-        out = _excess(parts, samples.whole)
+        out = _excess(parts, samples)
         tolerance = rounding_of(parts, samples.whole, samples.grips)
         outside = Parts(*(o > t for o, t in zip(out, tolerance, strict=True)))
         held = Parts(*(h | o for h, o in zip(held, outside, strict=True)))
@@ -106,6 +107,16 @@ def with_torques_shared(applied: FloatArray, dimension: int) -> FloatArray:
     return shared
 
 
+def _on_rays(internal: FloatArray, samples: _Samples) -> FloatArray:
+    """Turn what belongs on a line onto it, to the last bit."""
+    dimension = samples.grips.shape[-1]
+    line = direction(samples.whole.force)
+    along = (internal[..., :dimension] * line).sum(axis=-1, keepdims=True) * line
+    turned_to = internal.copy()
+    turned_to[..., :dimension][samples.rays] = along[samples.rays]
+    return turned_to
+
+
 def _without_noise(internal: FloatArray, grips: FloatArray) -> FloatArray:
     """Put forces and torques to 0 that are no more than rounding of the largest.
 
@@ -120,17 +131,16 @@ def _without_noise(internal: FloatArray, grips: FloatArray) -> FloatArray:
     return kept
 
 
-def _excess(internal: Parts, whole: Parts) -> Parts:
+def _excess(internal: Parts, samples: _Samples) -> Parts:
     """By how much parts leave their balls ``(m, n)``, negative inside; accurate near 0.
 
     ‖x − v/2‖ − ‖v‖/2 = (‖x‖² − x·v) / (‖x − v/2‖ + ‖v‖/2)
     """
-    return Parts(
-        *(
-            (x * (x - v)).sum(axis=-1) / np.maximum(norm(x - 0.5 * v) + 0.5 * norm(v), TINY)
-            for x, v in zip(internal, whole, strict=True)
-        )
+    force, torque, induced = (
+        (x * (x - v)).sum(axis=-1) / np.maximum(norm(x - 0.5 * v) + 0.5 * norm(v), TINY)
+        for x, v in zip(internal, samples.whole, strict=True)
     )
+    return Parts(force, torque, np.where(samples.rays, 0.0, induced))  # which its ray sees to
 
 
 def rounding_of(internal: Parts, whole: Parts, grips: FloatArray) -> Parts:
