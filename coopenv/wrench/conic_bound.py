@@ -13,9 +13,10 @@ letter: what `conic` leaves out of its program as negligible or parallel counts 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coopenv.arrays import FloatArray
-from coopenv.wrench.conic_parts import TINY, Parts, along_lever, direction, norm, turned
+from coopenv.wrench.conic_parts import TINY, Parts, Prices, along_lever, direction, norm, turned
 from coopenv.wrench.grasp import moment
 
 NEAR = 0.03  # sine of the angle to Σ f up to which forces are tried as agreeing
@@ -40,7 +41,7 @@ class Bound(NamedTuple):
     balls: Parts  # ‖ζ‖ of the balls, what leaving them by 1 N or N·m is worth (m, n)
 
 
-def default_duals(whole: Parts, weights: Parts) -> Duals:
+def default_duals(whole: Parts, weights: Prices) -> Duals:
     """Return ζ = −c v/‖v‖ for forces and torques, 0 for all else.
 
     Exact where a vector is restricted to its own ray, as its cost is linear there.
@@ -54,7 +55,7 @@ def default_duals(whole: Parts, weights: Parts) -> Duals:
     return Duals(np.zeros((len(nothing), size)), force, torque, nothing, nothing.copy())
 
 
-def bounded(whole: Parts, grips: FloatArray, weights: Parts, duals: Duals) -> Bound:
+def bounded(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> Bound:
     """Bound J(h) − J* from above, whatever the duals.
 
     Parameters
@@ -89,7 +90,7 @@ def bounded(whole: Parts, grips: FloatArray, weights: Parts, duals: Duals) -> Bo
     return Bound(total.sum(axis=-1), np.abs(duals.balance), worth)
 
 
-def best_bound(whole: Parts, grips: FloatArray, weights: Parts, duals: Duals) -> Bound:
+def best_bound(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> Bound:
     """Return the best of the bounds from these duals and, near agreement, some made up for it.
 
     Where forces nearly agree the multipliers along Σ f grow as 1/sine, which no solver reaches.
@@ -109,7 +110,7 @@ def best_bound(whole: Parts, grips: FloatArray, weights: Parts, duals: Duals) ->
     return bound
 
 
-def _candidates(whole: Parts, weights: Parts, own: Duals, towards: FloatArray) -> list[Duals]:
+def _candidates(whole: Parts, weights: Prices, own: Duals, towards: FloatArray) -> list[Duals]:
     """Multipliers along Σ f, alone and added to a solver's own.
 
     ζ = −c v/‖v‖ for forces, and for torques −ν, ν being along their sum or a solver's multiplier.
@@ -130,7 +131,7 @@ def _candidates(whole: Parts, weights: Parts, own: Duals, towards: FloatArray) -
     return candidates
 
 
-def _keep_better(bound: Bound, where: FloatArray, other: Bound) -> None:
+def _keep_better(bound: Bound, where: NDArray[np.intp], other: Bound) -> None:
     """Overwrite the bounds of the samples ``where`` the other is closer."""
     better = other.shortfall < bound.shortfall[where]
     chosen = where[better]

@@ -20,6 +20,22 @@ class Parts(NamedTuple):
     induced: FloatArray
 
 
+class Prices(NamedTuple):
+    """What a force [1], a torque and an induced torque [1/m] cost."""
+
+    force: float
+    torque: float
+    induced: float
+
+
+class Flags(NamedTuple):
+    """Something that is so or not of each effector's force, torque and induced torque."""
+
+    force: BoolArray
+    torque: BoolArray
+    induced: BoolArray
+
+
 def parts_of(wrench: FloatArray, grips: FloatArray) -> Parts:
     """Return forces ``(m, n, d)`` [N], torques and induced torques [N·m]."""
     dimension = grips.shape[-1]
@@ -33,18 +49,29 @@ def turned(torque: FloatArray, grips: FloatArray) -> FloatArray:
     return cross(torque, grips)
 
 
+def balance_unit(whole: Parts, grips: FloatArray) -> FloatArray:
+    """Return the largest force, and torque it may have to balance, for each row ``(m, k)``."""
+    force = norm(whole.force).max(axis=-1, keepdims=True)
+    torque = np.maximum(
+        norm(whole.torque).max(axis=-1, keepdims=True),
+        norm(grips).max(axis=-1, keepdims=True) * force,
+    )
+    rows = [whole.force.shape[-1], whole.torque.shape[-1]]
+    return np.maximum(np.repeat(np.concatenate([force, torque], axis=-1), rows, axis=-1), TINY)
+
+
 def along_lever(whole: Parts, grips: FloatArray) -> BoolArray:
     """Whether a force points along its lever, so that its manipulation part must, too."""
     reach = norm(whole.force) * norm(grips)
     return np.asarray((reach > 0.0) & (norm(whole.induced) <= PARALLEL * reach))
 
 
-def cost_of(whole: Parts, weights: Parts) -> FloatArray:
+def cost_of(whole: Parts, weights: Prices) -> FloatArray:
     """The objective (17), ``(m)`` [N]."""
     return sum_over(weights, Parts(*map(norm, whole)))
 
 
-def saving_of(internal: Parts, whole: Parts, weights: Parts) -> FloatArray:
+def saving_of(internal: Parts, whole: Parts, weights: Prices) -> FloatArray:
     """J(h) − J(h − h_I), ``(m)`` [N], accurate where h_I is small."""
     saved = []
     for g, v in zip(internal, whole, strict=True):
@@ -53,7 +80,7 @@ def saving_of(internal: Parts, whole: Parts, weights: Parts) -> FloatArray:
     return sum_over(weights, Parts(*saved))
 
 
-def sum_over(weights: Parts, values: Parts) -> FloatArray:
+def sum_over(weights: Prices | Parts, values: Parts) -> FloatArray:
     """Weighted sum of ``(m, n)`` values over parts and effectors."""
     force, torque, induced = (w * v for w, v in zip(weights, values, strict=True))
     return (force + torque + induced).sum(axis=-1)

@@ -5,12 +5,12 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.wrench.cone_program import Affine, ConeProgram
 from coopenv.wrench.conic_bound import Duals
-from coopenv.wrench.conic_parts import NEGLIGIBLE, PARALLEL, Parts, norm
+from coopenv.wrench.conic_parts import NEGLIGIBLE, PARALLEL, Parts, Prices, norm
 from coopenv.wrench.grasp import grasp_matrix, sum_at_centre
 
 
 def wrench_program(
-    whole: Parts, grips: FloatArray, weights: Parts, cost_unit: float, duals: Duals
+    whole: Parts, grips: FloatArray, weights: Prices, cost_unit: float, duals: Duals
 ) -> tuple[ConeProgram, list[tuple[Affine, Affine]]]:
     """State eqs. 17-21 for one sample; also return force and torque of each effector in it.
 
