@@ -43,7 +43,7 @@ def test_pair_and_conic_find_the_same_cost(torque_weight, include_induced, seed)
         doubts.append(conic.gap / unit)
     doubt = np.concatenate(doubts)
     assert np.median(doubt) <= 1e-10
-    assert (doubt > 1e-6).mean() <= 2e-3
+    assert (doubt > 1e-6).mean() <= 5e-3
 
 
 @pytest.mark.parametrize(

@@ -94,9 +94,9 @@ def hard_families(rng, count, num_effectors, dimension):
     made = families(rng, count, num_effectors, dimension)
     normal, agree = made["normal"], made["agreeing"]
     made["uneven"] = normal * 10.0 ** rng.uniform(-8, 0, size=normal.shape)
-    for apart in (1e-9, 1e-6, 1e-5, 1e-3):
-        made[f"within {apart:g}"] = agree + apart * rng.normal(size=normal.shape)
-    del made["nearly agreeing"], made["within 1e-3"]
+    for apart in ("1e-9", "1e-6", "1e-5"):
+        made[f"within {apart}"] = agree + float(apart) * rng.normal(size=normal.shape)
+    del made["nearly agreeing"]
     return made
 
 
