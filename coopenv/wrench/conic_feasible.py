@@ -57,23 +57,22 @@ def plausible(
     """
     samples = samples_of(applied, grips)
     internal = _on_rays(internal, samples)
-    best = applied - with_torques_shared(applied, grips.shape[-1])
-    saving = saving_of(parts_of(best, grips), samples.whole, weights)
+    best, saving = np.zeros_like(applied), np.zeros(len(applied))  # h itself
     left = np.arange(len(applied))  # samples that are not done
     held = Flags(*(np.zeros(part.shape[:-1], dtype=np.bool_) for part in samples.whole))
     for _ in range(STEPS + 1):
-        internal = _without_noise(internal, samples.grips)
-        parts = parts_of(internal, samples.grips)
+        internal, parts, unit = _without_noise(internal, samples.grips)
         out = _excess(parts, samples)
         tolerance = rounding_of(parts, samples.whole, samples.grips)
         outside = Flags(*(o > t for o, t in zip(out, tolerance, strict=True)))
         held = Flags(*(h | o for h, o in zip(held, outside, strict=True)))
         fits = ~np.logical_or.reduce([o.any(axis=-1) for o in outside])
         missing = -sum_at_centre(internal, samples.grips)
-        miss = (np.abs(missing) / balance_unit(parts, samples.grips)).max(axis=-1)
-        reach, saved = _drawn_back(parts, outside, samples, weights)
-        better = (miss <= USABLE) & (saved > saving[left])
-        best[left[better]], saving[left[better]] = (reach * internal)[better], saved[better]
+        miss = (np.abs(missing) / unit).max(axis=-1)
+        if (miss <= USABLE).any():
+            reach, saved = _drawn_back(parts, outside, samples, weights)
+            better = (miss <= USABLE) & (saved > saving[left])
+            best[left[better]], saving[left[better]] = (reach * internal)[better], saved[better]
         todo = ~(fits & (miss <= BALANCED)) & (saving[left] < wanted[left])
         if not todo.any():
             break
@@ -83,7 +82,23 @@ def plausible(
             out, parts = (Parts(*(v[todo] for v in each)) for each in (out, parts))
             samples = samples_of(applied[left], grips[left])
         internal = internal + newton_step(parts, missing / samples.unit, held, out, samples)
+    if (saving < wanted).any():
+        _share_torques_where_better(best, saving, applied, grips, weights)
     return best, saving
+
+
+def _share_torques_where_better(
+    best: FloatArray,
+    saving: FloatArray,
+    applied: FloatArray,
+    grips: FloatArray,
+    weights: Prices,
+) -> None:
+    """Overwrite answers, and what they save, that sharing the torques alone would beat."""
+    shared = applied - with_torques_shared(applied, grips.shape[-1])
+    saved = saving_of(parts_of(shared, grips), parts_of(applied, grips), weights)
+    better = saved > saving
+    best[better], saving[better] = shared[better], saved[better]
 
 
 def with_torques_shared(applied: FloatArray, dimension: int) -> FloatArray:
@@ -107,18 +122,18 @@ def _on_rays(internal: FloatArray, samples: Samples) -> FloatArray:
     return turned_to
 
 
-def _without_noise(internal: FloatArray, grips: FloatArray) -> FloatArray:
+def _without_noise(internal: FloatArray, grips: FloatArray) -> tuple[FloatArray, Parts, FloatArray]:
     """Put forces and torques to 0 that are no more than rounding of the largest.
 
-    What must be 0 may not point anywhere else.
+    What must be 0 may not point anywhere else. Also return the parts, and their `balance_unit`.
     """
-    parts = parts_of(internal, grips)
+    internal = internal.copy()
+    parts = parts_of(internal, grips)  # force and torque are views
     unit = balance_unit(parts, grips)
-    dimension = grips.shape[-1]
-    kept = internal.copy()
-    kept[..., :dimension][norm(parts.force) <= NOISE * unit[:, :1]] = 0.0
-    kept[..., dimension:][norm(parts.torque) <= NOISE * unit[:, -1:]] = 0.0
-    return kept
+    still = norm(parts.force) <= NOISE * unit[:, :1]
+    parts.force[still], parts.induced[still] = 0.0, 0.0
+    parts.torque[norm(parts.torque) <= NOISE * unit[:, -1:]] = 0.0
+    return internal, parts, unit
 
 
 def _excess(internal: Parts, samples: Samples) -> Parts:
