@@ -190,9 +190,8 @@ class Decomposition:
 
         From the dual program, whatever the solver itself believes. ``solver="structured"`` adds an
         estimate of how far balance to rounding may bring the cost below the optimum: nothing much,
-        but 1e-6 to 1e-5 of J(h) where a lever is very short. ``solver="conic"`` contains such an
-        estimate as well, but its answers are plausible and balanced to rounding of the internal
-        wrench, which is seldom worth 1e-12 of J(h).
+        but 1e-6 to 1e-5 of J(h) where a lever is very short. ``solver="conic"`` adds one, too; its
+        answers balance and fit their balls to rounding of the internal wrench, not of the applied.
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """
