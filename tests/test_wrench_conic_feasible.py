@@ -14,7 +14,7 @@ PRICES = Prices(0.5, 0.5, 0.0)
 def mended(internal, applied, grips):
     places = np.broadcast_to(grips, (len(applied), *grips.shape)).copy()
     unlimited = np.full(len(applied), np.inf)
-    found, saved = plausible(internal, applied, places, PRICES, unlimited)
+    found, saved, _ = plausible(internal, applied, places, PRICES, unlimited)
     decomposer = wrench.Decomposer(grips, wrench.Settings(solver="conic"))
     cost = cost_of(parts_of(applied, places), PRICES)
     return wrench.Decomposition(applied, applied - found, None, decomposer), saved, cost

@@ -36,6 +36,7 @@ from coopenv.wrench.conic_parts import (
     direction,
     norm,
     parts_of,
+    saving_of,
     sum_over,
 )
 from coopenv.wrench.conic_program import wrench_program
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-10  # asked of Clarabel: feasibility, and gap relative to the applied cost
 ACCEPTED = 1e-5  # gap and residuals up to which an early stop still counts as an answer
 GOOD = 1e-10  # gap in parts of J(h) that is not worth more work
+POOR = 1e-4  # the same from which on Clarabel's nearly plausible answer is kept
 UNSEEN = 1e-16  # of the largest part of h_I: what balance may miss without our seeing it
 TOGETHER = 256  # samples whose answers are judged and mended at once
 
@@ -126,9 +128,15 @@ def _solve_samples(
         manipulation[i] = [np.concatenate([f.value(x), t.value(x)]) for f, t in parts]
     bound = best_bound(whole, grips, weights, duals)
     wanted = bound.shortfall - GOOD * cost
-    internal, saved = plausible(applied - manipulation, applied, grips, weights, wanted)
+    internal, saved, nearly = plausible(applied - manipulation, applied, grips, weights, wanted)
+    surely = saved.copy()
+    poor = (saved < bound.shortfall - POOR * cost) & ~np.isnan(nearly[:, 0, 0])
+    if poor.any():  # the gap is no smaller, but the answer better by all we know
+        internal[poor] = nearly[poor]
+        saved[poor] = saving_of(parts_of(internal, grips), whole, weights)[poor]
     slack = np.minimum(_slack(internal, whole, grips, bound), np.maximum(saved, 0.0))  # J* ≤ J(h)
-    return applied - internal, np.maximum(np.abs(bound.shortfall - saved), slack)
+    gap = np.maximum(np.abs(bound.shortfall - saved), np.maximum(saved - surely, slack))
+    return applied - internal, gap
 
 
 def _slack(internal: FloatArray, whole: Parts, grips: FloatArray, bound: Bound) -> FloatArray:

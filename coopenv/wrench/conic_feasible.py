@@ -32,6 +32,7 @@ ROUNDING = 4e-16  # of the length of a part of x_I by which it may leave its bal
 FLOOR = 1e-20  # the same of x, for what should be 0; worth no more than its root
 NOISE = 1e-15  # of the largest part of x_I: what may as well be 0
 BALANCED = 2e-15  # what may miss from balance, in parts of the largest part of x_I
+NEARLY = 1e-9  # of its own size by which a vector may leave its ball to be nearly plausible
 USABLE = 1e-14  # what may miss for a step to count at all
 
 
@@ -41,8 +42,10 @@ def plausible(
     grips: FloatArray,
     weights: Prices,
     wanted: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return balanced plausible internal wrenches that save as much as can be found, and how much.
+
+    Third come the last that balance and leave no ball by more than `NEARLY`, NaN where none did.
 
     Parameters
     ----------
@@ -58,6 +61,7 @@ def plausible(
     samples = samples_of(applied, grips)
     internal = _on_rays(internal, samples)
     best, saving = np.zeros_like(applied), np.zeros(len(applied))  # h itself
+    nearly = np.full_like(applied, np.nan)
     left = np.arange(len(applied))  # samples that are not done
     held = Flags(*(np.zeros(part.shape[:-1], dtype=np.bool_) for part in samples.whole))
     for _ in range(STEPS + 1):
@@ -69,6 +73,12 @@ def plausible(
         fits = ~np.logical_or.reduce([o.any(axis=-1) for o in outside])
         missing = -sum_at_centre(internal, samples.grips)
         miss = (np.abs(missing) / unit).max(axis=-1)
+        excess = [
+            (o > NEARLY * norm(v)) & (o > t)
+            for o, t, v in zip(out, tolerance, samples.whole, strict=True)
+        ]
+        near = (miss <= USABLE) & ~np.logical_or.reduce([e.any(axis=-1) for e in excess])
+        nearly[left[near]] = internal[near]
         if (miss <= USABLE).any():
             reach, saved = _drawn_back(parts, outside, samples, weights)
             better = (miss <= USABLE) & (saved > saving[left])
@@ -84,7 +94,7 @@ def plausible(
         internal = internal + newton_step(parts, missing / samples.unit, held, out, samples)
     if (saving < wanted).any():
         _share_torques_where_better(best, saving, applied, grips, weights)
-    return best, saving
+    return best, saving, nearly
 
 
 def _share_torques_where_better(
