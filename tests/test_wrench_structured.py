@@ -13,6 +13,7 @@ from coopenv.wrench.settings import Settings
 COUNTS = {n: (10 if n <= 4 else 4 if n <= 8 else 3) for n in range(1, 13)}  # of each family
 FEW = {1: 1, 2: 2, 3: 3, 5: 2, 12: 1}  # 1,512 wrenches in all
 NEARLY = ("nearly agreeing", "within 1e-3")  # where the oracle is the less accurate
+READ = {"nearly agreeing": 2e-7}  # what rounding of the wrench is worth to `structured` there
 SCALES = (1e-6, 1.0, 1e6)
 
 
@@ -47,11 +48,10 @@ def test_structured_and_conic_find_the_same_cost(counts, dimension, include_indu
             )
             assert relative_residuals(ours).max() <= 1e-8, name
             unit = np.maximum(ours.applied_cost, 1e-300)
-            # a ball relaxed by ε lets the oracle's cost fall by √ε where the feasible set is thin
-            relaxed = 50.0 * np.sqrt(np.maximum(relative_residuals(oracle), 1e-12))
+            assert relative_residuals(oracle).max() <= 1e-8, name
             certified = np.maximum(ours.gap, oracle.gap) / unit
             difference = np.abs(ours.cost - oracle.cost) / unit
-            assert (difference <= certified + relaxed).all(), name
+            assert (difference <= certified + 1e-9 + READ.get(name, 0.0)).all(), name
             if name not in NEARLY:
                 assert difference.max() <= 1e-8, name
             fell_back.append(ours.fell_back)

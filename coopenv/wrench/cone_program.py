@@ -1,6 +1,7 @@
 """A cone program assembled piece by piece: min qᵀx subject to b − A x in a product of cones."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import clarabel as compiled_clarabel
@@ -46,6 +47,7 @@ class ConeProgram:
         self._columns: list[int] = []
         self._entries: list[FloatArray] = []
         self._num_rows = 0
+        self._kept: list[tuple[FloatArray, slice, FloatArray | float]] = []
 
     def variables(self, count: int, cost: float = 0.0) -> list[int]:
         """Add ``count`` variables of the same cost; return their columns."""
@@ -53,29 +55,30 @@ class ConeProgram:
         self._cost += [cost] * count
         return list(range(first, first + count))
 
-    def zero(self, *vectors: Affine) -> None:
-        """Require that the vectors sum to 0."""
+    def zero(self, *vectors: Affine) -> slice:
+        """Require that the vectors sum to 0; return the rows of that."""
         size = len(vectors[0].offset)
         for vector in vectors:
             self._place(vector.columns, -vector.block)
-        self._close(clarabel.ZeroConeT, size, sum(vector.offset for vector in vectors))
+        return self._close(clarabel.ZeroConeT, size, sum(vector.offset for vector in vectors))
 
-    def between(self, scalar: Affine, bound: float) -> None:
-        """Require that a vector of length 1 lies between 0 and ``bound``."""
+    def between(self, scalar: Affine, bound: float) -> slice:
+        """Require that a vector of length 1 lies between 0 and ``bound``; return the rows."""
         sign = np.array([[1.0], [-1.0]]) * np.sign(bound)
         self._place(scalar.columns, -sign @ scalar.block)
         right = sign @ scalar.offset + np.array([0.0, abs(bound)])
-        self._close(clarabel.NonnegativeConeT, 2, right)
+        return self._close(clarabel.NonnegativeConeT, 2, right)
 
-    def ball(self, vector: Affine, centre: FloatArray, radius: float) -> None:
-        """Require ‖vector − centre‖ ≤ radius."""
+    def ball(self, vector: Affine, centre: FloatArray, radius: float) -> slice:
+        """Require ‖vector − centre‖ ≤ radius; return the rows of the vector."""
         size = len(vector.offset)
         self._place(vector.columns, -np.vstack([np.zeros(len(vector.columns)), vector.block]))
         right = np.concatenate([[radius], vector.offset - centre])
-        self._close(clarabel.SecondOrderConeT, size + 1, right)
+        rows = self._close(clarabel.SecondOrderConeT, size + 1, right)
+        return slice(rows.start + 1, rows.stop)
 
-    def norm(self, vector: Affine, cost: float) -> None:
-        """Add ``cost`` times ‖vector‖ to the objective."""
+    def norm(self, vector: Affine, cost: float) -> slice:
+        """Add ``cost`` times ‖vector‖ to the objective; return the rows of the vector."""
         (epigraph,) = self.variables(1, cost)
         size = len(vector.offset)
         block = np.zeros((size + 1, len(vector.columns) + 1))
@@ -83,12 +86,24 @@ class ConeProgram:
         block[1:, :-1] = vector.block
         self._place([*vector.columns, epigraph], -block)
         right = np.concatenate([[0.0], vector.offset])
-        self._close(clarabel.SecondOrderConeT, size + 1, right)
+        rows = self._close(clarabel.SecondOrderConeT, size + 1, right)
+        return slice(rows.start + 1, rows.stop)
 
     def absolute(self, scalar: Affine, sign: float, cost: float) -> None:
         """Add ``cost`` times |scalar| to the objective, for a scalar whose sign is known."""
         for column, factor in zip(scalar.columns, scalar.block[0], strict=True):
             self._cost[column] += cost * sign * factor
+
+    def keep(self, target: FloatArray, rows: slice, factor: FloatArray | float) -> None:
+        """Have `write_multipliers` set ``target`` to the rows' multipliers times ``factor``."""
+        self._kept.append((target, rows, factor))
+
+    def write_multipliers(self, solution: Any) -> None:
+        """Write what is wanted of the dual solution, in units of cost per unit of the vectors."""
+        multipliers = self.cost_unit * np.array(solution.z)
+        for target, rows, factor in self._kept:
+            own = multipliers[rows]
+            target[:] = factor @ own if np.ndim(factor) == 2 else factor * own
 
     def solve(self, tolerance: float, equilibrate: bool) -> Any:
         """Run Clarabel and return its solution, however far it came.
@@ -106,11 +121,18 @@ class ConeProgram:
         settings.equilibrate_enable = equilibrate
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         shape = (self._num_rows, len(self._cost))
-        entries = np.concatenate(self._entries)
-        matrix = sparse.csc_matrix((entries, (self._rows, self._columns)), shape)
-        nothing = sparse.csc_matrix((shape[1], shape[1]))
+        matrix, nothing = self._matrix(shape), _no_quadratic_cost(shape[1])
         cost, right = np.array(self._cost) / self.cost_unit, np.concatenate(self._right)
         return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
+
+    def _matrix(self, shape: tuple[int, int]) -> Any:
+        """Return A; its columns are put together here, as SciPy takes ten times as long."""
+        rows, columns = np.array(self._rows), np.array(self._columns)
+        order = np.lexsort((rows, columns))
+        starts = np.zeros(shape[1] + 1, dtype=np.int32)
+        np.cumsum(np.bincount(columns, minlength=shape[1]), out=starts[1:])
+        entries = np.concatenate(self._entries)[order]
+        return sparse.csc_matrix((entries, rows[order], starts), shape)
 
     def _place(self, columns: list[int], block: FloatArray) -> None:
         for row in range(self._num_rows, self._num_rows + len(block)):
@@ -118,7 +140,13 @@ class ConeProgram:
             self._columns += columns
         self._entries.append(block.ravel())
 
-    def _close(self, cone: Callable[[int], Any], size: int, right: Any) -> None:
+    def _close(self, cone: Callable[[int], Any], size: int, right: Any) -> slice:
         self._cones.append(cone(size))
         self._right.append(np.asarray(right, dtype=np.float64))
         self._num_rows += size
+        return slice(self._num_rows - size, self._num_rows)
+
+
+@lru_cache(maxsize=32)
+def _no_quadratic_cost(num_variables: int) -> Any:
+    return sparse.csc_matrix((num_variables, num_variables))

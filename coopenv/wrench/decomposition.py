@@ -186,14 +186,12 @@ class Decomposition:
 
     @cached_property
     def gap(self) -> FloatArray:
-        """Bound ``(...)`` on how much the cost exceeds the optimum [N]; 0 for closed forms.
+        """Bound ``(...)`` on how far the cost is from the optimum [N]; 0 for closed forms.
 
-        ``solver="structured"`` adds an estimate of how far balance to rounding may bring the cost
-        below the optimum: nothing much, but 1e-6 to 1e-5 of J(h) where a lever is very short.
-
-        ``solver="conic"`` reports Clarabel's own, which does not see that its answer leaves the
-        balls by a tolerance. Its cost may therefore be too low: by up to 1e-7 of J(h), 2.4e-4
-        where forces nearly agree (to 1e-5, w = 0.95), 1e-3 where forces differ by 10⁴.
+        From the dual program, whatever the solver itself believes. ``solver="structured"`` adds an
+        estimate of how far balance to rounding may bring the cost below the optimum: nothing much,
+        but 1e-6 to 1e-5 of J(h) where a lever is very short. ``solver="conic"`` adds one, too; its
+        answers balance and fit their balls to rounding of the internal wrench, not of the applied.
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """
