@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from synthesis_cases import assert_comes_back
 from wrench_cases import LEVERS, grips_on_line, pair_families
 
 from coopenv import wrench
@@ -7,18 +8,6 @@ from coopenv.errors import InvalidInput
 
 BEAM = np.array([[-0.9, 0.0], [0.9, 0.0]])
 FORWARD = [2.0, 0.0, 0.0]
-NOTHING = np.zeros(())
-
-
-def assert_comes_back(applied, grips, wanted, internal=NOTHING, force=None, torque=None, **cost):
-    d = wrench.decompose(applied, grips, **cost)
-    size = np.abs(applied).max(axis=(-1, -2), keepdims=True) + 1e-300
-    assert (np.abs(d.object_wrench - wanted) <= 1e-6 * size[..., 0]).all()
-    assert (np.abs(d.internal - internal) <= 1e-6 * size).all()
-    for found, share in zip(d.load_share, (force, torque), strict=True):
-        if share is not None:
-            asked = ~np.isnan(share)
-            assert (np.abs(found - share)[asked] <= 1e-6).all()
 
 
 def assert_round_trip(applied, grips, **cost):
@@ -154,12 +143,8 @@ def test_bad_wishes_are_refused(wish, message):
         wrench.synthesize(**{"object_wrench": FORWARD, "grips": BEAM, **wish})
 
 
-def test_what_more_effectors_cannot_do_yet_is_said():
+def test_internal_wrench_of_more_effectors_is_not_searched_and_says_so():
     grips = np.array([[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]])
     squeeze = np.concatenate([-grips, np.zeros((3, 1))], axis=1)
     with pytest.raises(InvalidInput, match="internal must be 0 or left out unless the grips are"):
         wrench.synthesize(FORWARD, grips, internal=squeeze)
-    with pytest.raises(InvalidInput, match=r"torque_share must be reached by .* this form has"):
-        wrench.synthesize(
-            [0, 9, 0.1], grips, force_share=[0.5, 0.25, 0.25], torque_share=[0, 0.5, 0.5]
-        )
