@@ -4,8 +4,9 @@ Whatever the number of effectors, it is of size 6: rows 0 to 5 of ``system`` hol
 matrix, its lower triangle or its factors LDLᵀ. What no block can make is left out of it.
 """
 
-from coopenv.wrench.blocks import ANSWER, COLUMNS, FREE, RADIUS
-from coopenv.wrench.second_order import compiled
+from coopenv.wrench.blocks import ANSWER, COLUMNS, FREE, RADIUS, block, num_blocks
+from coopenv.wrench.lanes import four, total
+from coopenv.wrench.second_order import compiled, inlined
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
 SYSTEM = 11  # rows in all
@@ -17,10 +18,39 @@ VOID = 1e-26  # the same, relative to the largest
 def mark_alive(k, system):
     """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
     clear(system)
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            add_square(system, k[i], COLUMNS + 6 * j, 3 * (i & 1), 1.0)
+    for i in range(num_blocks(k)):
+        row = block(k, i)
+        for j in range(int(row[FREE])):
+            add_square(system, row, COLUMNS + 6 * j, 3 * (i & 1), 1.0)
     find_pivots(system)
+
+
+@inlined
+def seen(b, system, at, torque):
+    """Gᵀx of a chunk for the x in a row of the system."""
+    first = 3 if torque else 0
+    x, y, z = system[at, first], system[at, first + 1], system[at, first + 2]
+    c = COLUMNS + first
+    y0 = b[c] * x + b[c + 1] * y + b[c + 2] * z
+    y1 = b[c + 6] * x + b[c + 7] * y + b[c + 8] * z
+    y2 = b[c + 12] * x + b[c + 13] * y + b[c + 14] * z
+    if not torque:  # a force makes torque across its lever
+        x, y, z = system[at, 3], system[at, 4], system[at, 5]
+        y1 += b[c + 9] * x + b[c + 10] * y + b[c + 11] * z
+        y2 += b[c + 15] * x + b[c + 16] * y + b[c + 17] * z
+    return y0, y1, y2
+
+
+@inlined
+def add_resultant(b, system, at, x, y, z, torque):
+    """Add G (x, y, z) of a chunk to a row of the system."""
+    first = 3 if torque else 0
+    for r in range(3):
+        c = COLUMNS + first + r
+        system[at, first + r] += total(b[c] * x + b[c + 6] * y + b[c + 12] * z)
+    if not torque:
+        for r in range(COLUMNS + 3, COLUMNS + 6):
+            system[at, r - COLUMNS] += total(b[r + 6] * y + b[r + 12] * z)
 
 
 @compiled
@@ -29,12 +59,17 @@ def resultant(k, system, part):
     for r in range(6):
         system[BALANCE, r] = 0.0
     for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            for r in range(3 * (i & 1), 6):
-                system[BALANCE, r] -= k[i, COLUMNS + 6 * j + r] * k[i, part + j]
+        b = four(k, i)
+        add_resultant(b, system, BALANCE, -b[part], -b[part + 1], -b[part + 2], i & 1)
+    return largest_component(system, BALANCE)
+
+
+@inlined
+def largest_component(system, at):
+    """Largest size of the numbers in a row of the system."""
     largest = 0.0
     for r in range(6):
-        largest = max(largest, abs(system[BALANCE, r]))
+        largest = max(largest, abs(system[at, r]))
     return largest
 
 
@@ -42,21 +77,23 @@ def resultant(k, system, part):
 def spread_evenly(k, system):
     """Take the candidate answer back to G g = 0, every block in proportion to the square of ‖v‖."""
     clear(system)
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            add_square(system, k[i], COLUMNS + 6 * j, 3 * (i & 1), k[i, RADIUS] * k[i, RADIUS])
+    for i in range(num_blocks(k)):
+        row = block(k, i)
+        for j in range(int(row[FREE])):
+            add_square(system, row, COLUMNS + 6 * j, 3 * (i & 1), row[RADIUS] * row[RADIUS])
     factorise_system(system)
     for _ in range(2):
         resultant(k, system, ANSWER)
         for r in range(6):
             system[NU_STEP, r] = system[BALANCE, r]
         solve_system(system)
-        for i in range(k.shape[0]):
-            for j in range(int(k[i, FREE])):
+        for i in range(num_blocks(k)):
+            row = block(k, i)
+            for j in range(int(row[FREE])):
                 step = 0.0
                 for r in range(3 * (i & 1), 6):
-                    step += k[i, COLUMNS + 6 * j + r] * system[NU_STEP, r]
-                k[i, ANSWER + j] += step * k[i, RADIUS] * k[i, RADIUS]
+                    step += row[COLUMNS + 6 * j + r] * system[NU_STEP, r]
+                row[ANSWER + j] += step * row[RADIUS] * row[RADIUS]
 
 
 @compiled
@@ -116,11 +153,19 @@ def _eliminate(system, j):
 @compiled
 def solve_system(system):
     """Solve for dν in place."""
-    for r in range(6):
-        for t in range(r):
-            system[NU_STEP, r] -= system[r, t] * system[NU_STEP, t]
-    for r in range(6):
-        system[NU_STEP, r] *= system[r, r]
-    for r in range(5, -1, -1):
-        for t in range(r + 1, 6):
-            system[NU_STEP, r] -= system[t, r] * system[NU_STEP, t]
+    s = system
+    x0, x1, x2 = s[NU_STEP, 0], s[NU_STEP, 1], s[NU_STEP, 2]
+    x3, x4, x5 = s[NU_STEP, 3], s[NU_STEP, 4], s[NU_STEP, 5]
+    x1 -= s[1, 0] * x0
+    x2 -= s[2, 0] * x0 + s[2, 1] * x1
+    x3 -= s[3, 0] * x0 + s[3, 1] * x1 + s[3, 2] * x2
+    x4 -= s[4, 0] * x0 + s[4, 1] * x1 + s[4, 2] * x2 + s[4, 3] * x3
+    x5 -= s[5, 0] * x0 + s[5, 1] * x1 + s[5, 2] * x2 + s[5, 3] * x3 + s[5, 4] * x4
+    x5 *= s[5, 5]
+    x4 = x4 * s[4, 4] - s[5, 4] * x5
+    x3 = x3 * s[3, 3] - (s[4, 3] * x4 + s[5, 3] * x5)
+    x2 = x2 * s[2, 2] - (s[3, 2] * x3 + s[4, 2] * x4 + s[5, 2] * x5)
+    x1 = x1 * s[1, 1] - (s[2, 1] * x2 + s[3, 1] * x3 + s[4, 1] * x4 + s[5, 1] * x5)
+    tail = s[1, 0] * x1 + s[2, 0] * x2 + s[3, 0] * x3 + s[4, 0] * x4 + s[5, 0] * x5
+    s[NU_STEP, 0], s[NU_STEP, 1], s[NU_STEP, 2] = x0 * s[0, 0] - tail, x1, x2
+    s[NU_STEP, 3], s[NU_STEP, 4], s[NU_STEP, 5] = x3, x4, x5

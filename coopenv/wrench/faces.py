@@ -10,7 +10,17 @@ interior, the iterations' multipliers grow along λ without end, and there λ is
 if the equations hold to rounding; then the parts are fixed and the iterations start afresh.
 """
 
-from coopenv.wrench.blocks import COLUMNS, CONES, FIRST_CONE, FREE, PENDING, V, norm3
+from coopenv.wrench.blocks import (
+    COLUMNS,
+    CONES,
+    FIRST_CONE,
+    FREE,
+    PENDING,
+    V,
+    block,
+    norm3,
+    num_blocks,
+)
 from coopenv.wrench.coupling import (
     NU,
     NU_STEP,
@@ -29,41 +39,34 @@ LAMBDA = NU_STEP  # where λ is kept
 
 
 @compiled
-def largest_multiplier(k):
-    """Largest multiplier of a ball or disc."""
-    largest = 0.0
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            for c in range(1, min(int(k[i, CONES]), 3)):
-                largest = max(largest, k[i, FIRST_CONE + CONE * c + Z])
-    return largest
+def fix_immovable(k, system, multiplier):
+    """Fix what is proved immovable, if anything is; return whether so.
 
-
-@compiled
-def fix_immovable(k, system):
-    """Fix what is proved immovable, if anything is; return whether so."""
-    limit = LARGE * largest_multiplier(k)
-    for i in range(k.shape[0]):
-        _suspect(k[i], limit)
+    ``multiplier`` is the largest of a ball or disc.
+    """
+    limit = LARGE * multiplier
+    for i in range(num_blocks(k)):
+        _suspect(block(k, i), limit)
     for r in range(6):
         system[LAMBDA, r] = system[NU, r]
     for _ in range(2):
         _project(k, system)
     size = 0.0
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            size = max(size, abs(_along(k[i], system, j)))
+    for i in range(num_blocks(k)):
+        row = block(k, i)
+        for j in range(int(row[FREE])):
+            size = max(size, abs(_along(row, system, j)))
     if size <= POSITIVE * limit:
         return False
-    for i in range(k.shape[0]):
-        if not _proves(k[i], system, size):
+    for i in range(num_blocks(k)):
+        if not _proves(block(k, i), system, size):
             return False
     fixed = False
-    for i in range(k.shape[0]):
-        row = k[i]
+    for i in range(num_blocks(k)):
+        row = block(k, i)
         if row[PENDING] < row[FREE]:
             fixed = True
-            row[FREE], row[CONES] = row[PENDING], 2.0
+            row[FREE], row[CONES] = row[PENDING], (2.0 if row[PENDING] > 0.0 else 0.0)
     return fixed
 
 
@@ -104,10 +107,11 @@ def _project(k, system):
     clear(system)
     for r in range(6):
         system[SPARE, r] = system[LAMBDA, r]
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            if not _may_differ(k[i], j):
-                add_square(system, k[i], COLUMNS + 6 * j, 0, 1.0)
+    for i in range(num_blocks(k)):
+        row = block(k, i)
+        for j in range(int(row[FREE])):
+            if not _may_differ(row, j):
+                add_square(system, row, COLUMNS + 6 * j, 0, 1.0)
     for r in range(6):
         total = 0.0
         for t in range(6):

@@ -11,31 +11,47 @@ from coopenv.wrench.blocks import (
     FREE,
     KEPT,
     REST,
+    SEEN,
     STEP,
     G,
     cone_of,
 )
 from coopenv.wrench.central_start import start
-from coopenv.wrench.certificate import EXCESS, LOOSE, saving, settle, shortfall
-from coopenv.wrench.coupling import NU, NU_STEP, mark_alive, resultant
-from coopenv.wrench.faces import fix_immovable, largest_multiplier
-from coopenv.wrench.newton import direction, factorise
+from coopenv.wrench.certificate import (
+    EXCESS,
+    LOOSE,
+    block_saving,
+    block_shortfall,
+    settle,
+)
+from coopenv.wrench.coupling import (
+    BALANCE,
+    NU,
+    NU_STEP,
+    add_resultant,
+    largest_component,
+    mark_alive,
+    resultant,
+    seen,
+)
+from coopenv.wrench.faces import fix_immovable
+from coopenv.wrench.lanes import four, larger, largest, size, splat, total, where
+from coopenv.wrench.newton import improve, predict
 from coopenv.wrench.second_order import (
     DET_S,
     DET_Z,
     DS,
     DZ,
-    ERROR_S,
+    INNER,
     ROUNDING,
-    Q,
     S,
     Z,
     advance,
     compiled,
-    correct,
+    inlined,
     inner,
-    longest_step,
     refresh,
+    renew,
 )
 
 PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
@@ -64,28 +80,35 @@ def solve(k, system, tolerance):
     start(k, system)
     if sine < THIN:
         start_near(k, system, sine)
+    found = measure(k, system, 0.0, 0.0)
     bound, best, stalled, step, began, large = np.inf, np.inf, 0, 0, 0, LARGE
     kept = -np.inf
     for step in range(MAX_STEPS):
-        bound = min(bound, shortfall(k, system))
+        newest, saved, now, multiplier = found
+        bound = min(bound, newest)
         if bound <= tolerance:
             break
-        if step > began and bound - saving(k, G) <= PROMISING:
+        if step > began and bound - saved <= PROMISING:
             kept = _keep(k, settle(k, system, G, EXCESS), kept)
             if bound - kept <= tolerance:
                 break
-        now = complementarity(k)
-        progress = resultant(k, system, G) + now
+            resultant(k, system, G)  # as the answer's has taken its place
+        progress = largest_component(system, BALANCE) + now
         stalled = 0 if progress < 0.9 * best else stalled + 1
         best = min(best, progress)
-        if stalled > PATIENCE or not _iterate(k, system, now):
+        if stalled > PATIENCE:
             break
-        if largest_multiplier(k) > large:
-            large = 4.0 * largest_multiplier(k)
-            fixed = fix_immovable(k, system)
+        primal, dual = _step(k, system, now)
+        if not (primal > STUCK or dual > STUCK):  # also where they are not numbers
+            break
+        found = measure(k, system, primal, dual)
+        if found[3] > large:
+            large = 4.0 * found[3]
+            fixed = fix_immovable(k, system, found[3])
             mark_alive(k, system)
             if fixed:
                 start(k, system)
+                found = measure(k, system, 0.0, 0.0)
                 bound, shared, best, kept = np.inf, np.inf, np.inf, -np.inf
                 stalled, began, large = 0, step + 1, LARGE
     return step, _best_answer(k, system, bound, shared, kept, step > began)
@@ -97,8 +120,9 @@ def _keep(k, saved, kept):
     if not saved > kept:
         return kept
     for i in range(k.shape[0]):
+        b = four(k, i)
         for j in range(3):
-            k[i, KEPT + j] = k[i, ANSWER + j]
+            b[KEPT + j] = b[ANSWER + j]
     return saved
 
 
@@ -112,112 +136,94 @@ def _best_answer(k, system, bound, shared, kept, iterated):
             kept = _keep(k, loose, kept)
     if bound - kept <= min(shared, bound):
         for i in range(k.shape[0]):
+            b = four(k, i)
             for j in range(3):
-                k[i, ANSWER + j] = k[i, KEPT + j]
+                b[ANSWER + j] = b[KEPT + j]
         return max(bound - kept, 0.0)
     if shared <= bound:
         share_torques(k, system)
         return shared
     for i in range(k.shape[0]):
+        b = four(k, i)
         for j in range(3):
-            k[i, ANSWER + j] = 0.0
+            b[ANSWER + j] = 0.0
     return bound
 
 
 @compiled
-def _iterate(k, system, now):
-    """One step from complementarity ``now``, in place; return whether it led anywhere."""
-    factorise(k, system)
+def _step(k, system, now):
+    """Predict and correct from complementarity ``now``; return the lengths of the step found."""
+    number = splat(0.0)
     for i in range(k.shape[0]):
-        for c in range(_active(k[i])):
-            cone = cone_of(k[i], c)
-            for r in range(4):
-                cone[Q + r] = -cone[Z + r]
-    direction(k, system, False)
-    primal, dual = _step_lengths(k)
+        number += four(k, i)[CONES]
+    primal, dual, moved, dual_moved, both = predict(k, system)
     primal, dual = min(1.0, primal), min(1.0, dual)
-    ratio = min(max(_predicted(k, primal, dual) / now, 0.0), 1.0)
-    for i in range(k.shape[0]):
-        for c in range(_active(k[i])):
-            correct(cone_of(k[i], c), now * ratio * ratio * ratio)
-    direction(k, system, True)
+    change = primal * moved + dual * dual_moved + primal * dual * both
+    ratio = min(max(1.0 + change / (now * total(number)), 0.0), 1.0)
+    primal, dual, moved, dual_moved, both = improve(k, system, now * ratio * ratio * ratio)
+    if not abs(both) < np.inf:
+        return 0.0, 0.0
     back = min(max(0.98, 1.0 - 0.1 * ratio), 0.999)
-    primal, dual = _step_lengths(k)
-    primal, dual = min(1.0, back * primal), min(1.0, back * dual)
-    if not (primal > STUCK or dual > STUCK):  # also where they are not numbers
-        return False
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            _advance_block(k[i], primal, dual)
+    return min(1.0, back * primal), min(1.0, back * dual)
+
+
+@compiled
+def measure(k, system, primal, dual):
+    """Take a step of these lengths and see where it led, in one pass; r and Gᵀν are written.
+
+    Returns the bound on J(h) − J*, J(h) − J, the mean of s·z, and the largest multiplier of a ball
+    or disc.
+    """
     for r in range(6):
-        system[NU, r] += dual * system[NU_STEP, r]
-    return True
-
-
-@compiled
-def _active(row):
-    """Number of cones of a block, 0 where nothing in it is variable."""
-    return int(row[CONES]) if row[FREE] > 0.0 else 0
-
-
-@compiled
-def complementarity(k):
-    """Mean of s·z over the cones."""
-    total, number = 0.0, 0
+        system[NU, r] += dual * system[NU_STEP, r] if dual > 0.0 else 0.0
+        system[BALANCE, r] = 0.0
+    bound, saved, products = splat(0.0), splat(0.0), splat(0.0)
+    number, multiplier = splat(0.0), splat(0.0)
     for i in range(k.shape[0]):
-        for c in range(_active(k[i])):
-            total += inner(cone_of(k[i], c))
-            number += 1
-    return total / max(number, 1)
+        b = four(k, i)
+        if primal > 0.0 or dual > 0.0:
+            _advance_block(b, primal, dual)
+        for c in range(int(largest(b[CONES]))):
+            cone, present = cone_of(b, c), b[CONES] > c
+            cone[INNER] = inner(cone)
+            products += where(present, cone[INNER], 0.0)
+            if c == 1 or c == 2:
+                multiplier = larger(where(present, cone[Z], 0.0), multiplier)
+        y0, y1, y2 = seen(b, system, NU, i & 1)
+        b[SEEN], b[SEEN + 1], b[SEEN + 2] = y0, y1, y2
+        bound += block_shortfall(b, y0, y1, y2)
+        saved += block_saving(b, G)
+        number += b[CONES]
+        add_resultant(b, system, BALANCE, -b[G], -b[G + 1], -b[G + 2], i & 1)
+    mean = total(products) / max(total(number), 1.0)
+    return total(bound), total(saved), mean, largest(multiplier)
 
 
-@compiled
-def _predicted(k, primal, dual):
-    """Mean of s·z over the cones after steps of these lengths."""
-    total, number = 0.0, 0
-    for i in range(k.shape[0]):
-        row = k[i]
-        for c in range(_active(row)):
-            cone = cone_of(row, c)
-            for r in range(4):
-                s = cone[S + r] + primal * cone[DS + r]
-                total += s * (cone[Z + r] + dual * cone[DZ + r])
-            number += 1
-    return total / max(number, 1)
-
-
-@compiled
-def _step_lengths(k):
-    """Longest steps that keep every s and every z in its cone."""
-    primal, dual = np.inf, np.inf
-    for i in range(k.shape[0]):
-        row = k[i]
-        for c in range(_active(row)):
-            cone = cone_of(row, c)
-            primal = min(primal, longest_step(cone, S, DS, cone[DET_S]))
-            dual = min(dual, longest_step(cone, Z, DZ, cone[DET_Z]))
-    return primal, dual
-
-
-@compiled
-def _advance_block(row, primal, dual):
+@inlined
+def _advance_block(b, primal, dual):
     """Take the step; dets anew where that is the more accurate, balls' from g·(v − g)."""
-    for j in range(int(row[FREE])):
-        row[G + j] += primal * row[STEP + j]
-        row[REST + j] -= primal * row[STEP + j]
-    for c in range(int(row[CONES])):
-        cone = cone_of(row, c)
+    for j in range(3):
+        b[G + j] += primal * b[STEP + j]
+        b[REST + j] -= primal * b[STEP + j]
+    for c in range(int(largest(b[CONES]))):
+        cone = cone_of(b, c)
         advance(cone, S, DS, DET_S, primal)
         advance(cone, Z, DZ, DET_Z, dual)
         refresh(cone, Z, DET_Z)
         if c == 0 or c == 3:
             refresh(cone, S, DET_S)
-            continue
-        inside, size = 0.0, 0.0
-        for j in range(c - 1, int(row[FREE])):
-            product = row[G + j] * row[REST + j]
-            inside += product
-            size += abs(product)
-            cone[S + 1 + j] = 0.5 * (row[G + j] - row[REST + j])
-        if ROUNDING * size < cone[ERROR_S] and inside > 2.0 * ROUNDING * size:
-            cone[DET_S], cone[ERROR_S] = inside, ROUNDING * size
+        else:
+            _renew_ball(b, cone, c)
+
+
+@inlined
+def _renew_ball(b, cone, c):
+    """Take s and its det of a ball or disc from g and v − g."""
+    inside, doubt = splat(0.0), splat(0.0)
+    for j in range(c - 1, 3):
+        part = where(b[FREE] > j, b[G + j] * b[REST + j], 0.0)
+        inside = inside + part
+        doubt = doubt + ROUNDING * size(part)
+        there = (b[FREE] > j) & (b[CONES] > c)
+        cone[S + 1 + j] = where(there, 0.5 * (b[G + j] - b[REST + j]), 0.0)
+    renew(cone, DET_S, where(b[CONES] > c, inside, 0.0), doubt)

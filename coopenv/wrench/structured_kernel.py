@@ -17,13 +17,16 @@ from coopenv.wrench import (
     coupling,
     faces,
     interior_point,
+    lanes,
     newton,
     second_order,
 )
-from coopenv.wrench.blocks import WIDTH, fill, write
+from coopenv.wrench.blocks import WIDTH, fill, num_chunks, write
 from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
 from coopenv.wrench.second_order import compiled
+
+LINE = 64  # bytes to which memory is aligned
 
 
 @compiled
@@ -62,18 +65,19 @@ def _compile_batch():
 
     numba looks at the file of the entry alone; what a closure holds goes into its key as well.
     """
-    files = (agreement, blocks, central_start, certificate, coupling, faces, interior_point, newton)
-    text = "".join(map(inspect.getsource, (*files, second_order)))
+    files = (agreement, blocks, central_start, certificate, coupling, faces, interior_point, lanes)
+    text = "".join(map(inspect.getsource, (*files, newton, second_order)))
     stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
 
     @njit(error_model="numpy", nogil=True, fastmath={"contract"}, cache=True)
     def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
         if stamp < 0:
             return
-        blocks_size, system_size = 2 * applied.shape[1] * WIDTH, coupling.SYSTEM * 6
-        memory = np.zeros(blocks_size + system_size + 18)
-        at = memory.ctypes.data
-        k = _uncounted(at, (2 * applied.shape[1], WIDTH))
+        chunks = num_chunks(applied.shape[1])
+        blocks_size, system_size = chunks * WIDTH * lanes.LANES, coupling.SYSTEM * 6
+        memory = np.zeros(blocks_size + system_size + 18 + LINE // 8)
+        at = (memory.ctypes.data + LINE - 1) // LINE * LINE
+        k = _uncounted(at, (chunks, WIDTH, lanes.LANES))
         system = _uncounted(at + 8 * blocks_size, (coupling.SYSTEM, 6))
         at += 8 * (blocks_size + system_size)
         spare = (_uncounted(at, 6), _uncounted(at + 48, 3), _uncounted(at + 72, (3, 3)))
