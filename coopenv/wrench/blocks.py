@@ -17,7 +17,7 @@ has fewer, blocks without free coordinates fill the lanes.
 
 from math import sqrt
 
-from coopenv.wrench.lanes import LANES, after, four, lane
+from coopenv.wrench.lanes import LANES, after, lane
 from coopenv.wrench.second_order import CONE, TINY, compiled, inlined
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
@@ -40,21 +40,33 @@ def norm3(x, y, z):
 
 
 @inlined
-def num_chunks(num_effectors):
+def chunks_for(num_effectors):
     """Chunks for so many effectors: two for every four."""
     return 2 * ((num_effectors + LANES - 1) // LANES)
 
 
 @inlined
+def num_chunks(k):
+    """Chunks of a sample."""
+    return k[1]
+
+
+@inlined
 def num_blocks(k):
     """Blocks in all, those included that only fill the lanes."""
-    return LANES * k.shape[0]
+    return LANES * k[1]
+
+
+@inlined
+def chunk(k, i):
+    """Fields of chunk i, each of four blocks at once."""
+    return after(k[0], WIDTH * i)
 
 
 @inlined
 def block(k, i):
     """Fields of block i, each a number."""
-    return lane(four(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
+    return lane(chunk(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
 
 
 @inlined
@@ -67,8 +79,8 @@ def cone_of(b, c):
 def fill(k, wrench, grips, w, induced, spare):
     """Write the sample's blocks; return its units of force, length and cost."""
     full, grip, frame = spare
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(FIRST_CONE):
             b[j] = 0.0  # the sample before may have left what is not a number
     force, length = _units(wrench, grips, full, grip)
@@ -88,8 +100,8 @@ def fill(k, wrench, grips, w, induced, spare):
             row[CONES] = 4.0
         cost += row[PRICE] * norm3(row[V], row[V + 1], 0.0) + row[DISC_PRICE] * abs(row[V + 1])
         cost += torque[PRICE] * abs(torque[V])
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         b[PRICE] /= max(cost, TINY)
         b[DISC_PRICE] /= max(cost, TINY)
     return force, length, cost

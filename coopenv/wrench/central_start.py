@@ -9,10 +9,12 @@ from coopenv.wrench.blocks import (
     REST,
     G,
     V,
+    chunk,
     cone_of,
+    num_chunks,
 )
 from coopenv.wrench.coupling import NU
-from coopenv.wrench.lanes import four, largest, root, size, splat, total, where
+from coopenv.wrench.lanes import largest, root, size, splat, total, where
 from coopenv.wrench.second_order import (
     DET_S,
     DET_Z,
@@ -37,14 +39,14 @@ def start(k, system):
     costs, number = splat(0.0), splat(0.0)
     for r in range(6):
         system[NU, r] = 0.0
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         free = b[FREE] > 0.0
         costs += where(free, b[PRICE] * _length(b[V], b[V + 1]), 0.0)
         number += where(free, splat(1.0), 0.0)
     target = EVEN * total(costs) / max(total(number), 1.0)
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
             b[G + j] = where(b[FREE] > j, 0.5 * b[V + j], 0.0)
             b[REST + j] = b[V + j] - b[G + j]

@@ -20,7 +20,9 @@ from coopenv.wrench.blocks import (
     PRICE,
     RADIUS,
     V,
+    chunk,
     cone_of,
+    num_chunks,
 )
 from coopenv.wrench.coupling import (
     BALANCE,
@@ -32,7 +34,6 @@ from coopenv.wrench.coupling import (
     spread_evenly,
 )
 from coopenv.wrench.lanes import (
-    four,
     larger,
     largest,
     root,
@@ -58,8 +59,8 @@ SLACK = 5e-13  # what `undercut` takes for ε: more than there is, as the multip
 def shortfall(k, system):
     """Bound on J(h) − J* from the multipliers and the cones' z."""
     bound = splat(0.0)
-    for i in range(k.shape[0]):
-        bound += block_shortfall(four(k, i), *seen(four(k, i), system, NU, i & 1))
+    for i in range(num_chunks(k)):
+        bound += block_shortfall(chunk(k, i), *seen(chunk(k, i), system, NU, i & 1))
     return total(bound)
 
 
@@ -111,8 +112,8 @@ def _defect(a0, a1, a2, b0, b1):
 def saving(k, part):
     """J(h) − J(h − g) for g at ``part`` of the blocks, accurate where g is small."""
     saved = splat(0.0)
-    for i in range(k.shape[0]):
-        saved += block_saving(four(k, i), part)
+    for i in range(num_chunks(k)):
+        saved += block_saving(chunk(k, i), part)
     return total(saved)
 
 
@@ -154,8 +155,8 @@ def settle(k, system, part, excess):
     What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
     by shrinking everything towards 0, which keeps the balance: ‖θg‖² ≤ θ g·v.
     """
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
             b[ANSWER + j] = b[part + j]
     _balance(k, system)
@@ -168,11 +169,11 @@ def settle(k, system, part, excess):
         if not resultant(k, system, ANSWER) <= BALANCED:
             return -np.inf
     room = splat(1.0)
-    for i in range(k.shape[0]):
-        room = smaller(_room(four(k, i), excess), room)
+    for i in range(num_chunks(k)):
+        room = smaller(_room(chunk(k, i), excess), room)
     shrink = smallest(room)
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
             b[ANSWER + j] *= shrink
     return saving(k, ANSWER)
@@ -185,8 +186,8 @@ def _balance(k, system):
     for r in range(6):
         system[NU_STEP, r] = system[BALANCE, r]
     solve_system(system)
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         x, y, z = spread(b, system, 0.0, i & 1)
         b[ANSWER] += x
         b[ANSWER + 1] += y

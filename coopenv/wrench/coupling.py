@@ -4,8 +4,8 @@ Whatever the number of effectors, it is of size 6: rows 0 to 5 of ``system`` hol
 matrix, its lower triangle or its factors LDLᵀ. What no block can make is left out of it.
 """
 
-from coopenv.wrench.blocks import ANSWER, COLUMNS, FREE, RADIUS, block, num_blocks
-from coopenv.wrench.lanes import four, total
+from coopenv.wrench.blocks import ANSWER, COLUMNS, FREE, RADIUS, block, chunk, num_blocks, num_chunks
+from coopenv.wrench.lanes import total
 from coopenv.wrench.second_order import compiled, inlined
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
@@ -58,8 +58,8 @@ def resultant(k, system, part):
     """Write r = −Σ G x for a part x of the blocks; return its largest component."""
     for r in range(6):
         system[BALANCE, r] = 0.0
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         add_resultant(b, system, BALANCE, -b[part], -b[part + 1], -b[part + 2], i & 1)
     return largest_component(system, BALANCE)
 

@@ -14,7 +14,9 @@ from coopenv.wrench.blocks import (
     SEEN,
     STEP,
     G,
+    chunk,
     cone_of,
+    num_chunks,
 )
 from coopenv.wrench.central_start import start
 from coopenv.wrench.certificate import (
@@ -35,7 +37,7 @@ from coopenv.wrench.coupling import (
     seen,
 )
 from coopenv.wrench.faces import fix_immovable
-from coopenv.wrench.lanes import four, larger, largest, size, splat, total, where
+from coopenv.wrench.lanes import larger, largest, size, splat, total, where
 from coopenv.wrench.newton import improve, predict
 from coopenv.wrench.second_order import (
     DET_S,
@@ -119,8 +121,8 @@ def _keep(k, saved, kept):
     """Keep the candidate if it saves more than what was kept; return what is saved now."""
     if not saved > kept:
         return kept
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
             b[KEPT + j] = b[ANSWER + j]
     return saved
@@ -135,16 +137,16 @@ def _best_answer(k, system, bound, shared, kept, iterated):
         if bound - kept > 10.0 * sqrt(LOOSE):
             kept = _keep(k, loose, kept)
     if bound - kept <= min(shared, bound):
-        for i in range(k.shape[0]):
-            b = four(k, i)
+        for i in range(num_chunks(k)):
+            b = chunk(k, i)
             for j in range(3):
                 b[ANSWER + j] = b[KEPT + j]
         return max(bound - kept, 0.0)
     if shared <= bound:
         share_torques(k, system)
         return shared
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
             b[ANSWER + j] = 0.0
     return bound
@@ -154,8 +156,8 @@ def _best_answer(k, system, bound, shared, kept, iterated):
 def _step(k, system, now):
     """Predict and correct from complementarity ``now``; return the lengths of the step found."""
     number = splat(0.0)
-    for i in range(k.shape[0]):
-        number += four(k, i)[CONES]
+    for i in range(num_chunks(k)):
+        number += chunk(k, i)[CONES]
     primal, dual, moved, dual_moved, both = predict(k, system)
     primal, dual = min(1.0, primal), min(1.0, dual)
     change = primal * moved + dual * dual_moved + primal * dual * both
@@ -179,8 +181,8 @@ def measure(k, system, primal, dual):
         system[BALANCE, r] = 0.0
     bound, saved, products = splat(0.0), splat(0.0), splat(0.0)
     number, multiplier = splat(0.0), splat(0.0)
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         if primal > 0.0 or dual > 0.0:
             _advance_block(b, primal, dual)
         for c in range(int(largest(b[CONES]))):

@@ -16,6 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
 LANES = 4
+TABLE_WIDTH = 6
 FLAGS = ("contract",)  # a product and a sum may become one instruction
 VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 
@@ -35,6 +36,7 @@ lanes = _new_type("Lanes", VECTOR)
 mask = _new_type("Mask", ir.VectorType(ir.IntType(1), LANES))
 fields_of_four = _new_type("Four", ir.DoubleType().as_pointer())
 fields_of_one = _new_type("One", ir.DoubleType().as_pointer())
+table = _new_type("Table", ir.DoubleType().as_pointer())
 
 
 @lower_cast(types.Float, type(lanes))
@@ -90,18 +92,30 @@ def _and(context, builder, sig, args):
     return builder.and_(*args)
 
 
+PAIR = types.UniTuple(types.intp, 2)
+ITEMS = {  # pointers: how they are indexed, and what is there
+    fields_of_four: (types.intp, lanes),
+    fields_of_one: (types.intp, types.float64),
+    table: (PAIR, types.float64),
+}
+
+
 @infer_global(operator.getitem)
 class _Get(AbstractTemplate):
     def generic(self, args, kws):
-        kind = {fields_of_four: lanes, fields_of_one: types.float64}.get(args[0])
-        return signature(kind, args[0], types.intp) if kind is not None else None
+        if args[0] not in ITEMS:
+            return None
+        index, item = ITEMS[args[0]]
+        return signature(item, args[0], index)
 
 
 @infer_global(operator.setitem)
 class _Set(AbstractTemplate):
     def generic(self, args, kws):
-        kind = {fields_of_four: lanes, fields_of_one: types.float64}.get(args[0])
-        return signature(types.void, args[0], types.intp, kind) if kind is not None else None
+        if args[0] not in ITEMS:
+            return None
+        index, item = ITEMS[args[0]]
+        return signature(types.void, args[0], index, item)
 
 
 def _field(builder, pointer, index):
@@ -130,16 +144,37 @@ def _set_one(context, builder, sig, args):
     builder.store(args[2], _field(builder, *args[:2]))
 
 
-@intrinsic
-def four(typing_context, k, chunk):
-    """Fields of a chunk of four blocks, each as lanes."""
+def _place(builder, pointer, indices):
+    row, column = (builder.extract_value(indices, i) for i in range(2))
+    row = builder.mul(row, cgutils.intp_t(TABLE_WIDTH))
+    return builder.gep(pointer, [builder.add(row, column)], inbounds=True)
 
-    def generate(context, builder, sig, args):
-        array = context.make_array(sig.args[0])(context, builder, args[0])
-        size = builder.mul(builder.extract_value(array.shape, 1), cgutils.intp_t(LANES))
-        return builder.gep(array.data, [builder.mul(args[1], size)], inbounds=True)
 
-    return fields_of_four(k, types.intp), generate
+@lower_builtin(operator.getitem, type(table), types.UniTuple)
+def _get_of_table(context, builder, sig, args):
+    return builder.load(_place(builder, *args))
+
+
+@lower_builtin(operator.setitem, type(table), types.UniTuple, types.Float)
+def _set_in_table(context, builder, sig, args):
+    builder.store(args[2], _place(builder, *args[:2]))
+
+
+def _at(kind):
+    """Intrinsic function that takes an address for a pointer of this type."""
+
+    @intrinsic
+    def at(typing_context, address):
+        def generate(context, builder, sig, args):
+            return builder.inttoptr(args[0], ir.DoubleType().as_pointer())
+
+        return kind(types.intp), generate
+
+    return at
+
+
+four_at, table_at = _at(fields_of_four), _at(table)
+"""Take an address for that of a chunk's fields, or of a table's numbers."""
 
 
 @intrinsic

@@ -22,7 +22,9 @@ from coopenv.wrench.blocks import (
     RIGHT,
     SEEN,
     STEP,
+    chunk,
     cone_of,
+    num_chunks,
 )
 from coopenv.wrench.coupling import (
     BALANCE,
@@ -34,13 +36,14 @@ from coopenv.wrench.coupling import (
     seen,
     solve_system,
 )
-from coopenv.wrench.lanes import four, larger, largest, smaller, smallest, splat, total, where
+from coopenv.wrench.lanes import larger, largest, smaller, smallest, splat, total, where
 from coopenv.wrench.second_order import (
     DET_S,
     DET_Z,
     DS,
     DZ,
     PER_BEND,
+    PER_SQUARE,
     SQUARE,
     Q,
     S,
@@ -65,9 +68,9 @@ def predict(k, system):
     clear(system)
     for r in range(6):
         system[NU_STEP, r] = system[BALANCE, r]
-    for i in range(k.shape[0]):
-        _factorise_block(four(k, i), system, i & 1)
-        _load(four(k, i), system, i & 1)
+    for i in range(num_chunks(k)):
+        _factorise_block(chunk(k, i), system, i & 1)
+        _load(chunk(k, i), system, i & 1)
     for r in range(6):
         system[r, r] *= 1.0 + REGULAR
     factorise_system(system)
@@ -80,8 +83,8 @@ def improve(k, system, target):
     """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
     for r in range(6):
         system[NU_STEP, r] = system[BALANCE, r]
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for c in range(int(largest(b[CONES]))):
             cone = cone_of(b, c)
             correct(cone, target)
@@ -98,8 +101,8 @@ def _refine(k, system):
     """Take the step and solve once more for what it misses of balance, Σ G dg = r."""
     for r in range(6):
         system[SPARE, r] = system[BALANCE, r]
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         x, y, z = spread(b, system, 1.0, i & 1)
         b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
         add_resultant(b, system, SPARE, -x, -y, -z, i & 1)
@@ -205,8 +208,8 @@ def _move_all(k, system, load):
     """
     primal, dual = splat(inf), splat(inf)
     moved, dual_moved, both = splat(0.0), splat(0.0), splat(0.0)
-    for i in range(k.shape[0]):
-        b = four(k, i)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         x, y, z = spread(b, system, load, i & 1)
         if load == 0.0:
             x, y, z = x + b[STEP], y + b[STEP + 1], z + b[STEP + 2]
@@ -237,7 +240,7 @@ def _move_cone(b, cone, c):
     if is_cost:
         along = cone[W + 1] * cone[DS + 1] + cone[W + 2] * cone[DS + 2]
         along += cone[W + 3] * cone[DS + 3]
-        cone[DS] = (cone[Q] / cone[SQUARE] + 2.0 * cone[W] * along) * cone[PER_BEND]
+        cone[DS] = (cone[Q] * cone[PER_SQUARE] + 2.0 * cone[W] * along) * cone[PER_BEND]
     dual_step(cone)
     if is_cost:
         cone[DZ] = 0.0

@@ -17,10 +17,10 @@ from coopenv.wrench.lanes import larger, root, some, splat, where
 
 S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # fields: the pair, scaling, right-hand side, steps
 DET_S, DET_Z, ERROR_S, ERROR_Z = 24, 25, 26, 27
-LAMBDA = 28  # W⁻¹ s = W z
-SQUARE, PER_ETA, PER_HEAD, PER_BEND = 32, 33, 34, 35  # 1/η², 1/η, 1/(1 + w_0), 1/(2 w_0² − 1)
-ROOT_DET, INNER = 36, 37  # √(det s det z), s·z
-CONE = 38  # fields of a cone
+LAMBDA = 28  # W⁻¹ s = W z, with a det of 1
+PER_LAMBDA, PER_HEAD, PER_BEND = 32, 33, 34  # 1/λ_0, 1/(1 + w_0), 1/(2 w_0² − 1)
+PER_S, SQUARE, PER_SQUARE, INNER = 35, 36, 37, 38  # 1/√det s, 1/η², η², s·z
+CONE = 39  # fields of a cone
 ROUNDING = 4e-16  # of a product of vectors, relative
 CANCELLED = 1e-3  # s·z, relative to s_0 z_0, below which it is not taken from the components
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
@@ -68,30 +68,33 @@ def tail(cone, x):
 
 @inlined
 def scale(cone):
-    """Write the Nesterov-Todd direction w, λ = W⁻¹ s and what else belongs to the scaling.
+    """Write the Nesterov-Todd direction w, λ and what else belongs to the scaling.
 
     W = η [w_0, w_1ᵀ; w_1, I + w_1 w_1ᵀ/(1+w_0)] maps z to W z = W⁻¹ s.
     """
     root_s, root_z = root(cone[DET_S]), root(cone[DET_Z])
-    per_s, per_z = 1.0 / root_s, 1.0 / root_z
-    gamma = root(0.5 + 0.5 * cone[INNER] * per_s * per_z)
-    s0, z0, half = cone[S] * per_s, cone[Z] * per_z, 0.5 / gamma
-    size = root(root_s * root_z)
-    part = size / (s0 + z0 + 2.0 * gamma)
-    from_s, from_z = (gamma + z0) * part * per_s, (gamma + s0) * part * per_z
-    cone[LAMBDA] = size * gamma
+    per_both = 1.0 / (root_s * root_z)
+    per_s, per_z = root_z * per_both, root_s * per_both
+    gamma = root(0.5 + 0.5 * cone[INNER] * per_both)
+    s0, z0 = cone[S] * per_s, cone[Z] * per_z
+    heads = s0 + z0 + 2.0 * gamma
+    per_product = 1.0 / (gamma * heads)
+    per_gamma, per_heads = heads * per_product, gamma * per_product
+    from_s, from_z = (gamma + z0) * per_heads * per_s, (gamma + s0) * per_heads * per_z
+    for_s, for_z = 0.5 * per_gamma * per_s, 0.5 * per_gamma * per_z
     square = splat(0.0)
     for r in range(1, 4):
         s, z = cone[S + r], cone[Z + r]
         cone[LAMBDA + r] = from_s * s + from_z * z
-        cone[W + r] = (s * per_s - z * per_z) * half
-        square = square + cone[W + r] * cone[W + r]
-    cone[W] = root(1.0 + square)
-    cone[SQUARE] = root_z * per_s
-    cone[PER_ETA] = root(cone[SQUARE])
-    cone[PER_HEAD] = 1.0 / (1.0 + cone[W])
-    cone[PER_BEND] = 1.0 / (1.0 + 2.0 * square)
-    cone[ROOT_DET] = root_s * root_z
+        w = for_s * s - for_z * z
+        cone[W + r] = w
+        square = square + w * w
+    w0 = root(1.0 + square)
+    head, bend = 1.0 + w0, 1.0 + 2.0 * square
+    per_product = 1.0 / (head * bend)
+    cone[W], cone[LAMBDA], cone[PER_LAMBDA] = w0, gamma, per_gamma
+    cone[PER_HEAD], cone[PER_BEND] = bend * per_product, head * per_product
+    cone[PER_S], cone[SQUARE], cone[PER_SQUARE] = per_s, root_z * per_s, root_s * per_z
 
 
 @inlined
@@ -117,17 +120,11 @@ def _inner_of_opposite(cone):
 
 @inlined
 def unscaled(cone, x0, x1, x2, x3):
-    """W⁻¹ x."""
+    """η W⁻¹ x."""
     w0, w1, w2, w3 = cone[W], cone[W + 1], cone[W + 2], cone[W + 3]
     along = w1 * x1 + w2 * x2 + w3 * x3
     step = along * cone[PER_HEAD] - x0
-    per_eta = cone[PER_ETA]
-    return (
-        per_eta * (w0 * x0 - along),
-        per_eta * (x1 + step * w1),
-        per_eta * (x2 + step * w2),
-        per_eta * (x3 + step * w3),
-    )
+    return w0 * x0 - along, x1 + step * w1, x2 + step * w2, x3 + step * w3
 
 
 @inlined
@@ -146,23 +143,28 @@ def correct(cone, target):
     """Write the second-order corrector's right-hand side.
 
     q = −z + target·s⁻¹ + W⁻¹(u + λ∖(u∘u)),  u = W⁻¹ds (the predictor's),  λ = W⁻¹s
+
+    With v = ηu and λ scaled to a det of 1 the last term is η⁻² (ηW⁻¹)(v + λ∖(v∘v)/√det s).
     """
     s, z, q, d = S, Z, Q, DS
     u0, u1, u2, u3 = unscaled(cone, cone[d], cone[d + 1], cone[d + 2], cone[d + 3])
     l0, l1, l2, l3 = cone[LAMBDA], cone[LAMBDA + 1], cone[LAMBDA + 2], cone[LAMBDA + 3]
-    p0 = u0 * u0 + u1 * u1 + u2 * u2 + u3 * u3
-    p1, p2, p3 = 2.0 * u0 * u1, 2.0 * u0 * u2, 2.0 * u0 * u3
-    t0 = (l0 * p0 - l1 * p1 - l2 * p2 - l3 * p3) / larger(cone[ROOT_DET], TINY)
-    per_l0 = 1.0 / l0
-    u1 += (p1 - t0 * l1) * per_l0
-    u2 += (p2 - t0 * l2) * per_l0
-    u3 += (p3 - t0 * l3) * per_l0
+    per_s, square = cone[PER_S], cone[SQUARE]
+    square_u = u0 * u0 + u1 * u1 + u2 * u2 + u3 * u3
+    t0 = (l0 * square_u - 2.0 * u0 * (l1 * u1 + l2 * u2 + l3 * u3)) * per_s
+    part = cone[PER_LAMBDA]
+    twice = 2.0 * u0 * per_s * part
+    u1, u2, u3 = (
+        u1 + twice * u1 - t0 * part * l1,
+        u2 + twice * u2 - t0 * part * l2,
+        u3 + twice * u3 - t0 * part * l3,
+    )
     u0, u1, u2, u3 = unscaled(cone, u0 + t0, u1, u2, u3)
-    inverse = target / cone[DET_S]
-    cone[q] = u0 - cone[z] + inverse * cone[s]
-    cone[q + 1] = u1 - cone[z + 1] - inverse * cone[s + 1]
-    cone[q + 2] = u2 - cone[z + 2] - inverse * cone[s + 2]
-    cone[q + 3] = u3 - cone[z + 3] - inverse * cone[s + 3]
+    inverse = target * per_s * per_s
+    cone[q] = square * u0 - cone[z] + inverse * cone[s]
+    cone[q + 1] = square * u1 - cone[z + 1] - inverse * cone[s + 1]
+    cone[q + 2] = square * u2 - cone[z + 2] - inverse * cone[s + 2]
+    cone[q + 3] = square * u3 - cone[z + 3] - inverse * cone[s + 3]
 
 
 @inlined

@@ -21,7 +21,7 @@ from coopenv.wrench import (
     newton,
     second_order,
 )
-from coopenv.wrench.blocks import WIDTH, fill, num_chunks, write
+from coopenv.wrench.blocks import WIDTH, chunks_for, fill, write
 from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
 from coopenv.wrench.second_order import compiled
@@ -73,12 +73,11 @@ def _compile_batch():
     def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
         if stamp < 0:
             return
-        chunks = num_chunks(applied.shape[1])
-        blocks_size, system_size = chunks * WIDTH * lanes.LANES, coupling.SYSTEM * 6
+        chunks = chunks_for(applied.shape[1])
+        blocks_size, system_size = chunks * WIDTH * lanes.LANES, coupling.SYSTEM * lanes.TABLE_WIDTH
         memory = np.zeros(blocks_size + system_size + 18 + LINE // 8)
         at = (memory.ctypes.data + LINE - 1) // LINE * LINE
-        k = _uncounted(at, (chunks, WIDTH, lanes.LANES))
-        system = _uncounted(at + 8 * blocks_size, (coupling.SYSTEM, 6))
+        k, system = (lanes.four_at(at), chunks), lanes.table_at(at + 8 * blocks_size)
         at += 8 * (blocks_size + system_size)
         spare = (_uncounted(at, 6), _uncounted(at + 48, 3), _uncounted(at + 72, (3, 3)))
         for j in range(applied.shape[0]):
