@@ -25,7 +25,6 @@ from coopenv.wrench.blocks import (
     num_chunks,
 )
 from coopenv.wrench.coupling import (
-    BALANCE,
     NU,
     NU_STEP,
     resultant,
@@ -159,14 +158,15 @@ def settle(k, system, part, excess):
         b = chunk(k, i)
         for j in range(3):
             b[ANSWER + j] = b[part + j]
-    _balance(k, system)
-    for _ in range(5):
-        if resultant(k, system, ANSWER) <= EVENED:
+    missed = resultant(k, system, ANSWER, NU_STEP)
+    for _ in range(6):
+        if missed <= EVENED:
             break
         _balance(k, system)
-    if not resultant(k, system, ANSWER) <= BALANCED:
+        missed = resultant(k, system, ANSWER, NU_STEP)
+    if not missed <= BALANCED:
         spread_evenly(k, system)
-        if not resultant(k, system, ANSWER) <= BALANCED:
+        if not resultant(k, system, ANSWER, NU_STEP) <= BALANCED:
             return -np.inf
     room = splat(1.0)
     for i in range(num_chunks(k)):
@@ -181,10 +181,7 @@ def settle(k, system, part, excess):
 
 @compiled
 def _balance(k, system):
-    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0."""
-    resultant(k, system, ANSWER)
-    for r in range(6):
-        system[NU_STEP, r] = system[BALANCE, r]
+    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
     solve_system(system)
     for i in range(num_chunks(k)):
         b = chunk(k, i)

@@ -1,28 +1,105 @@
 """The one small system that couples the effectors: balance of force and torque, compiled.
 
 Whatever the number of effectors, it is of size 6: rows 0 to 5 of ``system`` hold a symmetric
-matrix, its lower triangle or its factors LDLᵀ. What no block can make is left out of it.
+matrix, its lower triangle or its factors LDLᵀ. What no block can make is left out of it. Sums over
+the blocks grow in four lanes, in a chunk of their own, until they are collected.
 """
 
-from coopenv.wrench.blocks import ANSWER, COLUMNS, FREE, RADIUS, block, chunk, num_blocks, num_chunks
-from coopenv.wrench.lanes import total
+from coopenv.wrench.blocks import (
+    ANSWER,
+    COLUMNS,
+    FREE,
+    RADIUS,
+    WIDTH,
+    chunk,
+    num_chunks,
+)
+from coopenv.wrench.lanes import TABLE_WIDTH, total, where
 from coopenv.wrench.second_order import compiled, inlined
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
 SYSTEM = 11  # rows in all
 DEAD = 1e-11  # pivot of Σ G Gᵀ, relative to its diagonal, below which a resultant cannot be made
 VOID = 1e-26  # the same, relative to the largest
+RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # place of sums of forces and torques, behind the matrix'
+
+
+@inlined
+def sums(k):
+    """Fields of the chunk where sums over the blocks grow."""
+    return chunk(k, num_chunks(k))
+
+
+@inlined
+def clear_matrix(k):
+    """Begin sums of squares."""
+    for r in range(RESULTANT):
+        sums(k)[r] = 0.0
+
+
+@inlined
+def clear_resultant(k):
+    """Begin sums of forces and torques."""
+    for r in range(6):
+        sums(k)[RESULTANT + r] = 0.0
+
+
+@inlined
+def collect_matrix(k, system):
+    """Write the sum of squares to the matrix."""
+    for r in range(6):
+        for t in range(r + 1):
+            system[r, t] = total(sums(k)[TABLE_WIDTH * r + t])
+
+
+@inlined
+def collect_resultant(k, system, at, sign):
+    """Add the sum of forces and torques to a row of the system, or subtract it."""
+    for r in range(6):
+        system[at, r] += sign * total(sums(k)[RESULTANT + r])
+
+
+@inlined
+def add_squares(k, i, columns, x, y, z):
+    """Add G diag(x, y, z) Gᵀ of a chunk, for the columns that lie at the field ``columns``."""
+    b, matrix = chunk(k, i), sums(k)
+    first = 3 * (i & 1)
+    for r in range(first, 6):
+        a0, a1, a2 = b[columns + r] * x, b[columns + 6 + r] * y, b[columns + 12 + r] * z
+        for t in range(first, r + 1):
+            part = a0 * b[columns + t] + a1 * b[columns + 6 + t] + a2 * b[columns + 12 + t]
+            matrix[TABLE_WIDTH * r + t] += part
+
+
+@inlined
+def add_resultant(k, i, x, y, z):
+    """Add G (x, y, z) of a chunk."""
+    b, first = chunk(k, i), 3 * (i & 1)
+    for r in range(3):
+        c = COLUMNS + first + r
+        sums(k)[RESULTANT + first + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
+    if first == 0:
+        for r in range(3, 6):
+            c = COLUMNS + r
+            sums(k)[RESULTANT + r] += b[c + 6] * y + b[c + 12] * z
 
 
 @compiled
 def mark_alive(k, system):
     """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
-    clear(system)
-    for i in range(num_blocks(k)):
-        row = block(k, i)
-        for j in range(int(row[FREE])):
-            add_square(system, row, COLUMNS + 6 * j, 3 * (i & 1), 1.0)
+    clear_matrix(k)
+    for i in range(num_chunks(k)):
+        x, y, z = _weights(chunk(k, i), 1.0)
+        add_squares(k, i, COLUMNS, x, y, z)
+    collect_matrix(k, system)
     find_pivots(system)
+
+
+@inlined
+def _weights(b, weight):
+    """The weight for every free coordinate, 0 for the others."""
+    free = b[FREE]
+    return where(free > 0.0, weight, 0.0), where(free > 1.0, weight, 0.0), where(free > 2.0, weight, 0.0)
 
 
 @inlined
@@ -41,27 +118,17 @@ def seen(b, system, at, torque):
     return y0, y1, y2
 
 
-@inlined
-def add_resultant(b, system, at, x, y, z, torque):
-    """Add G (x, y, z) of a chunk to a row of the system."""
-    first = 3 if torque else 0
-    for r in range(3):
-        c = COLUMNS + first + r
-        system[at, first + r] += total(b[c] * x + b[c + 6] * y + b[c + 12] * z)
-    if not torque:
-        for r in range(COLUMNS + 3, COLUMNS + 6):
-            system[at, r - COLUMNS] += total(b[r + 6] * y + b[r + 12] * z)
-
-
 @compiled
-def resultant(k, system, part):
-    """Write r = −Σ G x for a part x of the blocks; return its largest component."""
-    for r in range(6):
-        system[BALANCE, r] = 0.0
+def resultant(k, system, part, at):
+    """Write −Σ G x for a part x of the blocks to a row; return its largest component."""
+    clear_resultant(k)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
-        add_resultant(b, system, BALANCE, -b[part], -b[part + 1], -b[part + 2], i & 1)
-    return largest_component(system, BALANCE)
+        add_resultant(k, i, b[part], b[part + 1], b[part + 2])
+    for r in range(6):
+        system[at, r] = 0.0
+    collect_resultant(k, system, at, -1.0)
+    return largest_component(system, at)
 
 
 @inlined
@@ -76,41 +143,23 @@ def largest_component(system, at):
 @compiled
 def spread_evenly(k, system):
     """Take the candidate answer back to G g = 0, every block in proportion to the square of ‖v‖."""
-    clear(system)
-    for i in range(num_blocks(k)):
-        row = block(k, i)
-        for j in range(int(row[FREE])):
-            add_square(system, row, COLUMNS + 6 * j, 3 * (i & 1), row[RADIUS] * row[RADIUS])
+    clear_matrix(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
+        add_squares(k, i, COLUMNS, x, y, z)
+    collect_matrix(k, system)
     factorise_system(system)
     for _ in range(2):
-        resultant(k, system, ANSWER)
-        for r in range(6):
-            system[NU_STEP, r] = system[BALANCE, r]
+        resultant(k, system, ANSWER, NU_STEP)
         solve_system(system)
-        for i in range(num_blocks(k)):
-            row = block(k, i)
-            for j in range(int(row[FREE])):
-                step = 0.0
-                for r in range(3 * (i & 1), 6):
-                    step += row[COLUMNS + 6 * j + r] * system[NU_STEP, r]
-                row[ANSWER + j] += step * row[RADIUS] * row[RADIUS]
-
-
-@compiled
-def clear(system):
-    """Set the matrix to 0."""
-    for r in range(6):
-        for t in range(6):
-            system[r, t] = 0.0
-
-
-@compiled
-def add_square(system, row, at, first, weight):
-    """Add weight·ccᵀ to the matrix, for the column c that lies in the row from ``at`` on."""
-    for r in range(first, 6):
-        part = weight * row[at + r]
-        for t in range(first, r + 1):
-            system[r, t] += part * row[at + t]
+        for i in range(num_chunks(k)):
+            b = chunk(k, i)
+            x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
+            y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
+            b[ANSWER] += x * y0
+            b[ANSWER + 1] += y * y1
+            b[ANSWER + 2] += z * y2
 
 
 @compiled

@@ -16,17 +16,21 @@ from coopenv.wrench.blocks import (
     FIRST_CONE,
     FREE,
     PENDING,
+    STEP,
     V,
     block,
+    chunk,
     norm3,
     num_blocks,
+    num_chunks,
 )
 from coopenv.wrench.coupling import (
     NU,
     NU_STEP,
     SPARE,
-    add_square,
-    clear,
+    add_squares,
+    clear_matrix,
+    collect_matrix,
     find_pivots,
     solve_system,
 )
@@ -35,7 +39,7 @@ from coopenv.wrench.second_order import CONE, Z, compiled
 LARGE = 0.03  # of the largest multiplier: one that may belong to λ
 EXACT = 1e-13  # relative error up to which the equations hold
 POSITIVE = 1e-6  # μ v, relative to the largest, from which on a part is fixed
-LAMBDA = NU_STEP  # where λ is kept
+LAMBDA, SEEING = NU_STEP, STEP  # where λ is kept, and which coordinates see what must be 0
 
 
 @compiled
@@ -104,14 +108,17 @@ def _may_differ(row, j):
 @compiled
 def _project(k, system):
     """Make λ obey the equations: subtract what is seen by coordinates that must be 0."""
-    clear(system)
     for r in range(6):
         system[SPARE, r] = system[LAMBDA, r]
     for i in range(num_blocks(k)):
         row = block(k, i)
-        for j in range(int(row[FREE])):
-            if not _may_differ(row, j):
-                add_square(system, row, COLUMNS + 6 * j, 0, 1.0)
+        for j in range(3):
+            row[SEEING + j] = 1.0 if j < row[FREE] and not _may_differ(row, j) else 0.0
+    clear_matrix(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        add_squares(k, i, COLUMNS, b[SEEING], b[SEEING + 1], b[SEEING + 2])
+    collect_matrix(k, system)
     for r in range(6):
         total = 0.0
         for t in range(6):

@@ -31,9 +31,10 @@ from coopenv.wrench.coupling import (
     NU,
     NU_STEP,
     add_resultant,
+    clear_resultant,
+    collect_resultant,
     largest_component,
     mark_alive,
-    resultant,
     seen,
 )
 from coopenv.wrench.faces import fix_immovable
@@ -94,7 +95,6 @@ def solve(k, system, tolerance):
             kept = _keep(k, settle(k, system, G, EXCESS), kept)
             if bound - kept <= tolerance:
                 break
-            resultant(k, system, G)  # as the answer's has taken its place
         progress = largest_component(system, BALANCE) + now
         stalled = 0 if progress < 0.9 * best else stalled + 1
         best = min(best, progress)
@@ -179,6 +179,7 @@ def measure(k, system, primal, dual):
     for r in range(6):
         system[NU, r] += dual * system[NU_STEP, r] if dual > 0.0 else 0.0
         system[BALANCE, r] = 0.0
+    clear_resultant(k)
     bound, saved, products = splat(0.0), splat(0.0), splat(0.0)
     number, multiplier = splat(0.0), splat(0.0)
     for i in range(num_chunks(k)):
@@ -196,7 +197,8 @@ def measure(k, system, primal, dual):
         bound += block_shortfall(b, y0, y1, y2)
         saved += block_saving(b, G)
         number += b[CONES]
-        add_resultant(b, system, BALANCE, -b[G], -b[G + 1], -b[G + 2], i & 1)
+        add_resultant(k, i, b[G], b[G + 1], b[G + 2])
+    collect_resultant(k, system, BALANCE, -1.0)
     mean = total(products) / max(total(number), 1.0)
     return total(bound), total(saved), mean, largest(multiplier)
 

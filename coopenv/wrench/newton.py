@@ -31,7 +31,11 @@ from coopenv.wrench.coupling import (
     NU_STEP,
     SPARE,
     add_resultant,
-    clear,
+    add_squares,
+    clear_matrix,
+    clear_resultant,
+    collect_matrix,
+    collect_resultant,
     factorise_system,
     seen,
     solve_system,
@@ -65,24 +69,23 @@ FLOOR = 1e-15  # least pivot of H, relative to its diagonal
 @compiled
 def predict(k, system):
     """Factorise and step towards the boundary; return `_move_all`'s lengths and products."""
-    clear(system)
-    for r in range(6):
-        system[NU_STEP, r] = system[BALANCE, r]
+    clear_matrix(k)
+    clear_resultant(k)
     for i in range(num_chunks(k)):
-        _factorise_block(chunk(k, i), system, i & 1)
-        _load(chunk(k, i), system, i & 1)
+        _factorise_block(k, i)
+        _load(k, i)
+    collect_matrix(k, system)
     for r in range(6):
         system[r, r] *= 1.0 + REGULAR
     factorise_system(system)
-    solve_system(system)
+    _solve(k, system)
     return _move_all(k, system, 1.0)
 
 
 @compiled
 def improve(k, system, target):
     """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
-    for r in range(6):
-        system[NU_STEP, r] = system[BALANCE, r]
+    clear_resultant(k)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
         for c in range(int(largest(b[CONES]))):
@@ -90,24 +93,33 @@ def improve(k, system, target):
             correct(cone, target)
             for r in range(4):
                 cone[Q + r] = where(b[CONES] > c, cone[Q + r], 0.0)
-        _load(b, system, i & 1)
-    solve_system(system)
+        _load(k, i)
+    _solve(k, system)
     _refine(k, system)
     return _move_all(k, system, 0.0)
 
 
 @compiled
+def _solve(k, system):
+    """Write dν = M⁻¹ (r + Σ G H⁻¹ ρ)."""
+    for r in range(6):
+        system[NU_STEP, r] = system[BALANCE, r]
+    collect_resultant(k, system, NU_STEP, 1.0)
+    solve_system(system)
+
+
+@compiled
 def _refine(k, system):
     """Take the step and solve once more for what it misses of balance, Σ G dg = r."""
-    for r in range(6):
-        system[SPARE, r] = system[BALANCE, r]
+    clear_resultant(k)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
         x, y, z = spread(b, system, 1.0, i & 1)
         b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
-        add_resultant(b, system, SPARE, -x, -y, -z, i & 1)
+        add_resultant(k, i, x, y, z)
     for r in range(6):
-        system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[SPARE, r]
+        system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
+    collect_resultant(k, system, NU_STEP, -1.0)
     solve_system(system)
 
 
@@ -132,8 +144,9 @@ def _hessian(b):
 
 
 @compiled
-def _factorise_block(b, system, torque):
+def _factorise_block(k, i):
     """Scale the cones, factorise H, carry G through L, add G H⁻¹ Gᵀ to M (lower triangle)."""
+    b = chunk(k, i)
     for c in range(int(largest(b[CONES]))):
         cone = cone_of(b, c)
         scale(cone)
@@ -150,23 +163,21 @@ def _factorise_block(b, system, torque):
     p2 = where(all_three, 1.0 / larger(h22 - l20 * h02 - l21 * bend, FLOOR * h22), 0.0)
     b[FACTOR], b[FACTOR + 1], b[FACTOR + 2] = l10, l20, l21
     b[FACTOR + 3], b[FACTOR + 4], b[FACTOR + 5] = p0, p1, p2
-    for r in range(3 if torque else 0, 6):
-        a0 = b[COLUMNS + r]
-        a1 = b[COLUMNS + 6 + r] - l10 * a0
-        a2 = b[COLUMNS + 12 + r] - l20 * a0 - l21 * a1
-        b[CARRIED + r], b[CARRIED + 6 + r], b[CARRIED + 12 + r] = a0, a1, a2
-        a0, a1, a2 = a0 * p0, a1 * p1, a2 * p2
-        for t in range(3 if torque else 0, r + 1):
-            part = a0 * b[CARRIED + t] + a1 * b[CARRIED + 6 + t] + a2 * b[CARRIED + 12 + t]
-            system[r, t] += total(part)
+    for r in range(3 * (i & 1), 6):
+        a0, a1, a2 = b[COLUMNS + r], b[COLUMNS + 6 + r], b[COLUMNS + 12 + r]
+        a1 -= l10 * a0
+        b[CARRIED + r], b[CARRIED + 6 + r] = a0, a1
+        b[CARRIED + 12 + r] = a2 - l20 * a0 - l21 * a1
+    add_squares(k, i, CARRIED, p0, p1, p2)
 
 
 @inlined
-def _load(b, system, torque):
-    """Take ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to dν.
+def _load(k, i):
+    """Take ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to the resultant.
 
     ρ = Σ ± (z_1 + q_1 [+ 2 w_0 w_1 q_0 / (2 w_0² − 1), costs only, for their τ]) − Gᵀν
     """
+    b = chunk(k, i)
     y0, y1, y2 = -b[SEEN], -b[SEEN + 1], -b[SEEN + 2]
     for c in range(int(largest(b[CONES]))):
         cone = cone_of(b, c)
@@ -179,7 +190,7 @@ def _load(b, system, torque):
         y2 += sign * (cone[Z + 3] + cone[Q + 3] + more * cone[W + 3])
     b[RIGHT], b[RIGHT + 1], b[RIGHT + 2] = y0, y1, y2
     x, y, z = _solve_block(b, y0, y1, y2)
-    add_resultant(b, system, NU_STEP, x, y, z, torque)
+    add_resultant(k, i, x, y, z)
 
 
 @inlined

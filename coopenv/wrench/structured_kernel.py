@@ -74,7 +74,7 @@ def _compile_batch():
         if stamp < 0:
             return
         chunks = chunks_for(applied.shape[1])
-        blocks_size, system_size = chunks * WIDTH * lanes.LANES, coupling.SYSTEM * lanes.TABLE_WIDTH
+        blocks_size, system_size = (chunks + 1) * WIDTH * lanes.LANES, coupling.SYSTEM * lanes.TABLE_WIDTH
         memory = np.zeros(blocks_size + system_size + 18 + LINE // 8)
         at = (memory.ctypes.data + LINE - 1) // LINE * LINE
         k, system = (lanes.four_at(at), chunks), lanes.table_at(at + 8 * blocks_size)
