@@ -17,7 +17,8 @@ has fewer, blocks without free coordinates fill the lanes.
 
 from math import sqrt
 
-from coopenv.wrench.lanes import LANES, after, lane
+from coopenv.wrench.fields import after, lane
+from coopenv.wrench.lanes import LANES, largest
 from coopenv.wrench.second_order import CONE, TINY, compiled, inlined
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
@@ -25,8 +26,8 @@ V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for 
 KEPT = 20  # the best answer so far
 COLUMNS = 23  # G, six numbers a column
 PENDING = 41  # see `faces`
-SEEN, RIGHT, FACTOR, CARRIED = 42, 45, 48, 54  # Gᵀν, ρ, L D Lᵀ, see `newton`
-FIRST_CONE = 72
+SEEN, RIGHT, FACTOR = 42, 45, 48  # Gᵀν, ρ, L D Lᵀ, see `newton`
+FIRST_CONE = 54
 WIDTH = FIRST_CONE + 4 * CONE
 
 NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
@@ -67,6 +68,12 @@ def chunk(k, i):
 def block(k, i):
     """Fields of block i, each a number."""
     return lane(chunk(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
+
+
+@inlined
+def num_cones(b):
+    """Most cones that a block of the chunk has."""
+    return int(largest(b[CONES]))
 
 
 @inlined

@@ -12,9 +12,10 @@ from coopenv.wrench.blocks import (
     chunk,
     cone_of,
     num_chunks,
+    num_cones,
 )
 from coopenv.wrench.coupling import NU
-from coopenv.wrench.lanes import largest, root, size, splat, total, where
+from coopenv.wrench.lanes import root, size, splat, total, where
 from coopenv.wrench.second_order import (
     DET_S,
     DET_Z,
@@ -51,7 +52,7 @@ def start(k, system):
             b[G + j] = where(b[FREE] > j, 0.5 * b[V + j], 0.0)
             b[REST + j] = b[V + j] - b[G + j]
         b[RADIUS] = 0.5 * _length(b[V], where(b[FREE] > 1.0, b[V + 1], 0.0))
-        for c in range(int(largest(b[CONES]))):
+        for c in range(num_cones(b)):
             _start_cone(b, c, target)
 
 

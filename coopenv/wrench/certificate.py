@@ -23,6 +23,7 @@ from coopenv.wrench.blocks import (
     chunk,
     cone_of,
     num_chunks,
+    num_cones,
 )
 from coopenv.wrench.coupling import (
     NU,
@@ -43,7 +44,7 @@ from coopenv.wrench.lanes import (
     total,
     where,
 )
-from coopenv.wrench.newton import spread
+from coopenv.wrench.newton import under_hessian
 from coopenv.wrench.second_order import TINY, Z, compiled, inlined
 
 EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
@@ -67,7 +68,7 @@ def shortfall(k, system):
 def block_shortfall(b, y0, y1, y2):
     """Terms of the bound for y = Gᵀν, which becomes ζ_ball."""
     bound = splat(0.0)
-    for c in range(int(largest(b[CONES]))):
+    for c in range(num_cones(b)):
         if c == 1:
             continue
         cone, present = cone_of(b, c), b[CONES] > c
@@ -185,7 +186,7 @@ def _balance(k, system):
     solve_system(system)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
-        x, y, z = spread(b, system, 0.0, i & 1)
+        x, y, z = under_hessian(b, *seen(b, system, NU_STEP, i & 1))
         b[ANSWER] += x
         b[ANSWER + 1] += y
         b[ANSWER + 2] += z

@@ -10,11 +10,11 @@ from coopenv.wrench.blocks import (
     COLUMNS,
     FREE,
     RADIUS,
-    WIDTH,
     chunk,
     num_chunks,
 )
-from coopenv.wrench.lanes import TABLE_WIDTH, total, where
+from coopenv.wrench.fields import TABLE_WIDTH, after
+from coopenv.wrench.lanes import total, where
 from coopenv.wrench.second_order import compiled, inlined
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
@@ -22,6 +22,7 @@ SYSTEM = 11  # rows in all
 DEAD = 1e-11  # pivot of Σ G Gᵀ, relative to its diagonal, below which a resultant cannot be made
 VOID = 1e-26  # the same, relative to the largest
 RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # place of sums of forces and torques, behind the matrix'
+SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks lest memory be written
 
 
 @inlined
@@ -60,14 +61,13 @@ def collect_resultant(k, system, at, sign):
 
 
 @inlined
-def add_squares(k, i, columns, x, y, z):
-    """Add G diag(x, y, z) Gᵀ of a chunk, for the columns that lie at the field ``columns``."""
-    b, matrix = chunk(k, i), sums(k)
-    first = 3 * (i & 1)
+def add_squares(k, columns, first, x, y, z):
+    """Add G diag(x, y, z) Gᵀ of a chunk, the columns being fields of six from row ``first`` on."""
+    matrix = sums(k)
     for r in range(first, 6):
-        a0, a1, a2 = b[columns + r] * x, b[columns + 6 + r] * y, b[columns + 12 + r] * z
+        a0, a1, a2 = columns[r] * x, columns[6 + r] * y, columns[12 + r] * z
         for t in range(first, r + 1):
-            part = a0 * b[columns + t] + a1 * b[columns + 6 + t] + a2 * b[columns + 12 + t]
+            part = a0 * columns[t] + a1 * columns[6 + t] + a2 * columns[12 + t]
             matrix[TABLE_WIDTH * r + t] += part
 
 
@@ -89,8 +89,9 @@ def mark_alive(k, system):
     """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
     clear_matrix(k)
     for i in range(num_chunks(k)):
-        x, y, z = _weights(chunk(k, i), 1.0)
-        add_squares(k, i, COLUMNS, x, y, z)
+        b = chunk(k, i)
+        x, y, z = _weights(b, 1.0)
+        add_squares(k, after(b, COLUMNS), 3 * (i & 1), x, y, z)
     collect_matrix(k, system)
     find_pivots(system)
 
@@ -98,8 +99,8 @@ def mark_alive(k, system):
 @inlined
 def _weights(b, weight):
     """The weight for every free coordinate, 0 for the others."""
-    free = b[FREE]
-    return where(free > 0.0, weight, 0.0), where(free > 1.0, weight, 0.0), where(free > 2.0, weight, 0.0)
+    some, several, all_three = b[FREE] > 0.0, b[FREE] > 1.0, b[FREE] > 2.0
+    return where(some, weight, 0.0), where(several, weight, 0.0), where(all_three, weight, 0.0)
 
 
 @inlined
@@ -147,7 +148,7 @@ def spread_evenly(k, system):
     for i in range(num_chunks(k)):
         b = chunk(k, i)
         x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
-        add_squares(k, i, COLUMNS, x, y, z)
+        add_squares(k, after(b, COLUMNS), 3 * (i & 1), x, y, z)
     collect_matrix(k, system)
     factorise_system(system)
     for _ in range(2):

@@ -34,6 +34,7 @@ from coopenv.wrench.coupling import (
     find_pivots,
     solve_system,
 )
+from coopenv.wrench.fields import after
 from coopenv.wrench.second_order import CONE, Z, compiled
 
 LARGE = 0.03  # of the largest multiplier: one that may belong to λ
@@ -117,7 +118,7 @@ def _project(k, system):
     clear_matrix(k)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
-        add_squares(k, i, COLUMNS, b[SEEING], b[SEEING + 1], b[SEEING + 2])
+        add_squares(k, after(b, COLUMNS), 0, b[SEEING], b[SEEING + 1], b[SEEING + 2])
     collect_matrix(k, system)
     for r in range(6):
         total = 0.0

@@ -7,14 +7,14 @@ M dν = r + Σ G H⁻¹ ρ,   M = Σ G H⁻¹ Gᵀ,   H dg = Gᵀdν − ρ,   H
 
 H is the sum of the curvatures of the block's cones, ρ the residual of stationarity plus the
 cones' right-hand sides, r = −G g. The blocks ``k`` are laid out in `blocks`; every function here
-treats a chunk of four of them at once. A step takes four passes over them and, for the corrector,
-one more to refine it: what is not in a processor's cache is fetched that often.
+treats a chunk of four of them at once. A step takes four passes over them, and what is not in the
+processor's cache is fetched as often. That a step misses balance by its rounding does little harm,
+as the next one starts from the r there is; where progress is slow it is refined nevertheless.
 """
 
 from math import inf
 
 from coopenv.wrench.blocks import (
-    CARRIED,
     COLUMNS,
     CONES,
     FACTOR,
@@ -25,10 +25,12 @@ from coopenv.wrench.blocks import (
     chunk,
     cone_of,
     num_chunks,
+    num_cones,
 )
 from coopenv.wrench.coupling import (
     BALANCE,
     NU_STEP,
+    SCRATCH,
     SPARE,
     add_resultant,
     add_squares,
@@ -39,8 +41,10 @@ from coopenv.wrench.coupling import (
     factorise_system,
     seen,
     solve_system,
+    sums,
 )
-from coopenv.wrench.lanes import larger, largest, smaller, smallest, splat, total, where
+from coopenv.wrench.fields import after
+from coopenv.wrench.lanes import larger, smaller, smallest, splat, total, where
 from coopenv.wrench.second_order import (
     DET_S,
     DET_Z,
@@ -68,7 +72,7 @@ FLOOR = 1e-15  # least pivot of H, relative to its diagonal
 
 @compiled
 def predict(k, system):
-    """Factorise and step towards the boundary; return `_move_all`'s lengths and products."""
+    """Factorise and step towards the boundary; return `_move`'s lengths and products."""
     clear_matrix(k)
     clear_resultant(k)
     for i in range(num_chunks(k)):
@@ -78,49 +82,19 @@ def predict(k, system):
     for r in range(6):
         system[r, r] *= 1.0 + REGULAR
     factorise_system(system)
-    _solve(k, system)
-    return _move_all(k, system, 1.0)
+    return _move(k, system, False)
 
 
 @compiled
-def improve(k, system, target):
+def improve(k, system, target, refined):
     """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
     clear_resultant(k)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
-        for c in range(int(largest(b[CONES]))):
-            cone = cone_of(b, c)
-            correct(cone, target)
-            for r in range(4):
-                cone[Q + r] = where(b[CONES] > c, cone[Q + r], 0.0)
+        for c in range(num_cones(b)):
+            correct(cone_of(b, c), target, b[CONES] > c)
         _load(k, i)
-    _solve(k, system)
-    _refine(k, system)
-    return _move_all(k, system, 0.0)
-
-
-@compiled
-def _solve(k, system):
-    """Write dν = M⁻¹ (r + Σ G H⁻¹ ρ)."""
-    for r in range(6):
-        system[NU_STEP, r] = system[BALANCE, r]
-    collect_resultant(k, system, NU_STEP, 1.0)
-    solve_system(system)
-
-
-@compiled
-def _refine(k, system):
-    """Take the step and solve once more for what it misses of balance, Σ G dg = r."""
-    clear_resultant(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        x, y, z = spread(b, system, 1.0, i & 1)
-        b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
-        add_resultant(k, i, x, y, z)
-    for r in range(6):
-        system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
-    collect_resultant(k, system, NU_STEP, -1.0)
-    solve_system(system)
+    return _move(k, system, refined)
 
 
 @inlined
@@ -128,7 +102,7 @@ def _hessian(b):
     """Upper triangle of H: the sum of the cones' curvatures, τ eliminated."""
     zero = splat(0.0)
     h00, h01, h02, h11, h12, h22 = zero, zero, zero, zero, zero, zero
-    for c in range(int(largest(b[CONES]))):
+    for c in range(num_cones(b)):
         cone = cone_of(b, c)
         w1, w2, w3 = cone[W + 1], cone[W + 2], cone[W + 3]
         square = where(b[CONES] > c, cone[SQUARE], 0.0)
@@ -147,7 +121,7 @@ def _hessian(b):
 def _factorise_block(k, i):
     """Scale the cones, factorise H, carry G through L, add G H⁻¹ Gᵀ to M (lower triangle)."""
     b = chunk(k, i)
-    for c in range(int(largest(b[CONES]))):
+    for c in range(num_cones(b)):
         cone = cone_of(b, c)
         scale(cone)
         for r in range(4):
@@ -163,12 +137,12 @@ def _factorise_block(k, i):
     p2 = where(all_three, 1.0 / larger(h22 - l20 * h02 - l21 * bend, FLOOR * h22), 0.0)
     b[FACTOR], b[FACTOR + 1], b[FACTOR + 2] = l10, l20, l21
     b[FACTOR + 3], b[FACTOR + 4], b[FACTOR + 5] = p0, p1, p2
+    carried = after(sums(k), SCRATCH)
     for r in range(3 * (i & 1), 6):
         a0, a1, a2 = b[COLUMNS + r], b[COLUMNS + 6 + r], b[COLUMNS + 12 + r]
         a1 -= l10 * a0
-        b[CARRIED + r], b[CARRIED + 6 + r] = a0, a1
-        b[CARRIED + 12 + r] = a2 - l20 * a0 - l21 * a1
-    add_squares(k, i, CARRIED, p0, p1, p2)
+        carried[r], carried[6 + r], carried[12 + r] = a0, a1, a2 - l20 * a0 - l21 * a1
+    add_squares(k, carried, 3 * (i & 1), p0, p1, p2)
 
 
 @inlined
@@ -179,7 +153,7 @@ def _load(k, i):
     """
     b = chunk(k, i)
     y0, y1, y2 = -b[SEEN], -b[SEEN + 1], -b[SEEN + 2]
-    for c in range(int(largest(b[CONES]))):
+    for c in range(num_cones(b)):
         cone = cone_of(b, c)
         sign, more = splat(-1.0), splat(0.0)
         if c == 0 or c == 3:
@@ -189,12 +163,12 @@ def _load(k, i):
         y1 += sign * (cone[Z + 2] + cone[Q + 2] + more * cone[W + 2])
         y2 += sign * (cone[Z + 3] + cone[Q + 3] + more * cone[W + 3])
     b[RIGHT], b[RIGHT + 1], b[RIGHT + 2] = y0, y1, y2
-    x, y, z = _solve_block(b, y0, y1, y2)
+    x, y, z = under_hessian(b, y0, y1, y2)
     add_resultant(k, i, x, y, z)
 
 
 @inlined
-def _solve_block(b, y0, y1, y2):
+def under_hessian(b, y0, y1, y2):
     """H⁻¹ y."""
     y1 -= b[FACTOR] * y0
     y2 = (y2 - b[FACTOR + 1] * y0 - b[FACTOR + 2] * y1) * b[FACTOR + 5]
@@ -202,52 +176,72 @@ def _solve_block(b, y0, y1, y2):
     return y0 * b[FACTOR + 3] - b[FACTOR] * y1 - b[FACTOR + 1] * y2, y1, y2
 
 
-@inlined
-def spread(b, system, load, torque):
-    """H⁻¹ (Gᵀdν − ρ), or without the ρ (``load`` = 0)."""
-    y0, y1, y2 = seen(b, system, NU_STEP, torque)
-    return _solve_block(
-        b, y0 - load * b[RIGHT], y1 - load * b[RIGHT + 1], y2 - load * b[RIGHT + 2]
-    )
-
-
 @compiled
-def _move_all(k, system, load):
-    """Write dg, ds and dz of every block, dg added to what it was where ``load`` is 0.
+def _move(k, system, refined):
+    """Solve for dν and write dg, ds and dz of every block.
 
-    Returns the longest steps that keep every s and every z in its cone, and Σ ds·z, Σ s·dz, Σ ds·dz.
+    Returns the longest steps that keep every s and every z in its cone, Σ ds·z, Σ s·dz, and
+    Σ ds·dz.
     """
+    for r in range(6):
+        system[NU_STEP, r] = system[BALANCE, r]
+    collect_resultant(k, system, NU_STEP, 1.0)
+    solve_system(system)
+    if refined:
+        _refine(k, system)
+    load = 0.0 if refined else 1.0
     primal, dual = splat(inf), splat(inf)
     moved, dual_moved, both = splat(0.0), splat(0.0), splat(0.0)
     for i in range(num_chunks(k)):
         b = chunk(k, i)
-        x, y, z = spread(b, system, load, i & 1)
-        if load == 0.0:
+        y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
+        y0, y1, y2 = y0 - load * b[RIGHT], y1 - load * b[RIGHT + 1], y2 - load * b[RIGHT + 2]
+        x, y, z = under_hessian(b, y0, y1, y2)
+        if refined:
             x, y, z = x + b[STEP], y + b[STEP + 1], z + b[STEP + 2]
         b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
-        for c in range(int(largest(b[CONES]))):
+        for c in range(num_cones(b)):
             cone = cone_of(b, c)
-            _move_cone(b, cone, c)
+            _move_cone(cone, x, y, z, c, b[CONES] > c)
             primal = smaller(longest_step(cone, S, DS, cone[DET_S]), primal)
             dual = smaller(longest_step(cone, Z, DZ, cone[DET_Z]), dual)
             moved += product(cone, DS, Z)
             dual_moved += product(cone, S, DZ)
             both += product(cone, DS, DZ)
-    if load == 0.0:
+    if refined:
         for r in range(6):
             system[NU_STEP, r] += system[SPARE, r]
     return smallest(primal), smallest(dual), total(moved), total(dual_moved), total(both)
 
 
+@compiled
+def _refine(k, system):
+    """Write dg and solve once more for what it misses of balance, Σ G dg = r.
+
+    dν of the first time goes to a spare row.
+    """
+    clear_resultant(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
+        x, y, z = under_hessian(b, y0 - b[RIGHT], y1 - b[RIGHT + 1], y2 - b[RIGHT + 2])
+        b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
+        add_resultant(k, i, x, y, z)
+    for r in range(6):
+        system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
+    collect_resultant(k, system, NU_STEP, -1.0)
+    solve_system(system)
+
+
 @inlined
-def _move_cone(b, cone, c):
-    """Write ds and dz of a cone; a cost's τ moves so that its own dual stays c."""
+def _move_cone(cone, x, y, z, c, present):
+    """Write ds and dz for dg = (x, y, z); a cost's τ moves so that its own dual stays c."""
     is_cost = c == 0 or c == 3
-    sign = where(b[CONES] > c, -1.0 if is_cost else 1.0, 0.0)
+    sign = where(present, -1.0 if is_cost else 1.0, 0.0)
     cone[DS] = 0.0
-    cone[DS + 1] = sign * b[STEP] if c < 2 else splat(0.0)
-    cone[DS + 2] = sign * b[STEP + 1]
-    cone[DS + 3] = sign * b[STEP + 2]
+    cone[DS + 1] = sign * x if c < 2 else splat(0.0)
+    cone[DS + 2] = sign * y
+    cone[DS + 3] = sign * z
     if is_cost:
         along = cone[W + 1] * cone[DS + 1] + cone[W + 2] * cone[DS + 2]
         along += cone[W + 3] * cone[DS + 3]

@@ -61,9 +61,7 @@ def product(cone, a, b):
 @inlined
 def tail(cone, x):
     """Length of x without its first component."""
-    return root(
-        cone[x + 1] * cone[x + 1] + cone[x + 2] * cone[x + 2] + cone[x + 3] * cone[x + 3]
-    )
+    return root(cone[x + 1] * cone[x + 1] + cone[x + 2] * cone[x + 2] + cone[x + 3] * cone[x + 3])
 
 
 @inlined
@@ -139,8 +137,8 @@ def dual_step(cone):
 
 
 @inlined
-def correct(cone, target):
-    """Write the second-order corrector's right-hand side.
+def correct(cone, target, present):
+    """Write the second-order corrector's right-hand side; 0 where there is no such cone.
 
     q = −z + target·s⁻¹ + W⁻¹(u + λ∖(u∘u)),  u = W⁻¹ds (the predictor's),  λ = W⁻¹s
 
@@ -161,10 +159,12 @@ def correct(cone, target):
     )
     u0, u1, u2, u3 = unscaled(cone, u0 + t0, u1, u2, u3)
     inverse = target * per_s * per_s
-    cone[q] = square * u0 - cone[z] + inverse * cone[s]
-    cone[q + 1] = square * u1 - cone[z + 1] - inverse * cone[s + 1]
-    cone[q + 2] = square * u2 - cone[z + 2] - inverse * cone[s + 2]
-    cone[q + 3] = square * u3 - cone[z + 3] - inverse * cone[s + 3]
+    q0 = square * u0 - cone[z] + inverse * cone[s]
+    q1 = square * u1 - cone[z + 1] - inverse * cone[s + 1]
+    q2 = square * u2 - cone[z + 2] - inverse * cone[s + 2]
+    q3 = square * u3 - cone[z + 3] - inverse * cone[s + 3]
+    cone[q], cone[q + 1] = where(present, q0, 0.0), where(present, q1, 0.0)
+    cone[q + 2], cone[q + 3] = where(present, q2, 0.0), where(present, q3, 0.0)
 
 
 @inlined

@@ -16,9 +16,11 @@ from coopenv.wrench import (
     certificate,
     coupling,
     faces,
+    fields,
     interior_point,
     lanes,
     newton,
+    progress,
     second_order,
 )
 from coopenv.wrench.blocks import WIDTH, chunks_for, fill, write
@@ -65,8 +67,8 @@ def _compile_batch():
 
     numba looks at the file of the entry alone; what a closure holds goes into its key as well.
     """
-    files = (agreement, blocks, central_start, certificate, coupling, faces, interior_point, lanes)
-    text = "".join(map(inspect.getsource, (*files, newton, second_order)))
+    files = (agreement, blocks, central_start, certificate, coupling, faces, fields, interior_point)
+    text = "".join(map(inspect.getsource, (*files, lanes, newton, progress, second_order)))
     stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
 
     @njit(error_model="numpy", nogil=True, fastmath={"contract"}, cache=True)
@@ -74,10 +76,11 @@ def _compile_batch():
         if stamp < 0:
             return
         chunks = chunks_for(applied.shape[1])
-        blocks_size, system_size = (chunks + 1) * WIDTH * lanes.LANES, coupling.SYSTEM * lanes.TABLE_WIDTH
+        blocks_size = (chunks + 1) * WIDTH * lanes.LANES  # one more for sums
+        system_size = coupling.SYSTEM * fields.TABLE_WIDTH
         memory = np.zeros(blocks_size + system_size + 18 + LINE // 8)
         at = (memory.ctypes.data + LINE - 1) // LINE * LINE
-        k, system = (lanes.four_at(at), chunks), lanes.table_at(at + 8 * blocks_size)
+        k, system = (fields.four_at(at), chunks), fields.table_at(at + 8 * blocks_size)
         at += 8 * (blocks_size + system_size)
         spare = (_uncounted(at, 6), _uncounted(at + 48, 3), _uncounted(at + 72, (3, 3)))
         for j in range(applied.shape[0]):
