@@ -17,8 +17,9 @@ from coopenv.wrench.second_order import compiled
 
 PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
 THIN = 0.05  # sine below which they nearly agree
+CLOSE = 1e-4  # sine below which the feasible set is so thin that careful steps pay
 LARGE = 10.0  # multiplier of a ball from which on one looks for what cannot move
-LONG = 16  # iterations that few samples need
+LONG, MORE = 16, 50  # iterations that few samples need, and chunks for which they need one more
 MAX_STEPS = 80
 PATIENCE = 10  # iterations without progress
 PROMISING = 1e-6  # gap of an iterate that is worth making an answer of
@@ -42,18 +43,16 @@ def solve(k, system, tolerance):
     start(k, system)
     if sine < THIN:
         start_near(k, system, sine)
-    found = measure(k, system, 0.0, 0.0)
+    newest, saved, now, multiplier = measure(k, system, 0.0, 0.0)
     bound, best, stalled, step, began, large = np.inf, np.inf, 0, 0, 0, LARGE
     kept = -np.inf
     for step in range(MAX_STEPS):
-        newest, saved, now, _ = found
         bound = min(bound, newest)
         if bound <= tolerance:
             break
-        slow = stalled > 0 or step >= LONG
-        careful = slow or sine < THIN
-        promising = PROMISING if careful else 2.0 * tolerance
-        if step > began and bound - saved <= promising:
+        slow = stalled > 0 or step >= LONG + num_chunks(k) // MORE
+        careful = slow or sine < CLOSE
+        if step > began and bound - saved <= (PROMISING if careful else 2.0 * tolerance):
             kept = _keep(k, settle(k, system, G, EXCESS), kept)
             if bound - kept <= tolerance:
                 break
@@ -65,14 +64,14 @@ def solve(k, system, tolerance):
         primal, dual = _step(k, system, now, slow, careful)
         if not (primal > STUCK or dual > STUCK):  # also where they are not numbers
             break
-        found = measure(k, system, primal, dual)
-        if found[3] > large:
-            large = 4.0 * found[3]
-            fixed = fix_immovable(k, system, found[3])
+        newest, saved, now, multiplier = measure(k, system, primal, dual)
+        if multiplier > large:
+            large = 4.0 * multiplier
+            fixed = fix_immovable(k, system, multiplier)
             mark_alive(k, system)
             if fixed:
                 start(k, system)
-                found = measure(k, system, 0.0, 0.0)
+                newest, saved, now, multiplier = measure(k, system, 0.0, 0.0)
                 bound, shared, best, kept = np.inf, np.inf, np.inf, -np.inf
                 stalled, began, large = 0, step + 1, LARGE
     return step, _best_answer(k, system, bound, shared, kept, step > began)
@@ -116,7 +115,10 @@ def _best_answer(k, system, bound, shared, kept, iterated):
 
 @compiled
 def _step(k, system, now, slow, careful):
-    """Predict and correct from complementarity ``now``; return the lengths of the step found."""
+    """Predict and correct from complementarity ``now``; return the lengths of the step found.
+
+    A careful step aims lower and stops farther from the boundary. A slow one is refined.
+    """
     number = splat(0.0)
     for i in range(num_chunks(k)):
         number += chunk(k, i)[CONES]
@@ -124,9 +126,11 @@ def _step(k, system, now, slow, careful):
     primal, dual = min(1.0, primal), min(1.0, dual)
     change = primal * moved + dual * dual_moved + primal * dual * both
     ratio = min(max(1.0 + change / (now * total(number)), 0.0), 1.0)
-    primal, dual, moved, dual_moved, both = improve(k, system, now * ratio * ratio * ratio, slow)
+    target, back = now * ratio * ratio, max(0.98, 1.0 - 0.1 * ratio)
+    if careful:
+        target, back = target * ratio * ratio, max(0.8, 1.0 - 0.5 * ratio)
+    primal, dual, moved, dual_moved, both = improve(k, system, target, slow)
     if not abs(both) < np.inf:
         return 0.0, 0.0
-    back = 1.0 - 0.3 * ratio if careful else max(0.98, 1.0 - 0.1 * ratio)
-    back = min(max(0.9, back), 0.999)
+    back = min(back, 0.999)
     return min(1.0, back * primal), min(1.0, back * dual)
