@@ -23,6 +23,7 @@ LONG, MORE = 16, 50  # iterations that few samples need, and chunks for which th
 MAX_STEPS = 80
 PATIENCE = 10  # iterations without progress
 PROMISING = 1e-6  # gap of an iterate that is worth making an answer of
+NEAR = 1e-7  # the same where the steps are likely to go well
 DOUBTFUL = 1e-8  # gap of the answer kept from which on the last iterate is tried as well
 STUCK = 1e-6  # step length that is none
 
@@ -52,7 +53,7 @@ def solve(k, system, tolerance):
             break
         slow = stalled > 0 or step >= LONG + num_chunks(k) // MORE
         careful = slow or sine < CLOSE
-        if step > began and bound - saved <= (PROMISING if careful else 2.0 * tolerance):
+        if step > began and bound - saved <= (PROMISING if careful else NEAR):
             kept = _keep(k, settle(k, system, G, EXCESS), kept)
             if bound - kept <= tolerance:
                 break
