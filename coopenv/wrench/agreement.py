@@ -26,18 +26,8 @@ from coopenv.wrench.blocks import (
 )
 from coopenv.wrench.certificate import saving, shortfall
 from coopenv.wrench.coupling import NU, NU_STEP
-from coopenv.wrench.second_order import (
-    CONE,
-    DET_S,
-    DET_Z,
-    ERROR_S,
-    ERROR_Z,
-    ROUNDING,
-    TINY,
-    S,
-    Z,
-    compiled,
-)
+from coopenv.wrench.lanes import compiled
+from coopenv.wrench.second_order import CONE, DET_S, DET_Z, ERROR_S, ERROR_Z, ROUNDING, TINY, S, Z
 
 
 @compiled

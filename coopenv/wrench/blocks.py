@@ -18,8 +18,8 @@ has fewer, blocks without free coordinates fill the lanes.
 from math import sqrt
 
 from coopenv.wrench.fields import after, lane
-from coopenv.wrench.lanes import LANES, largest
-from coopenv.wrench.second_order import CONE, TINY, compiled, inlined
+from coopenv.wrench.lanes import LANES, compiled, inlined, largest
+from coopenv.wrench.second_order import CONE, TINY
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
 V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg

@@ -15,18 +15,8 @@ from coopenv.wrench.blocks import (
     num_cones,
 )
 from coopenv.wrench.coupling import NU
-from coopenv.wrench.lanes import root, size, splat, total, where
-from coopenv.wrench.second_order import (
-    DET_S,
-    DET_Z,
-    ERROR_S,
-    ERROR_Z,
-    ROUNDING,
-    S,
-    Z,
-    compiled,
-    inlined,
-)
+from coopenv.wrench.lanes import compiled, inlined, root, size, splat, total, where
+from coopenv.wrench.second_order import DET_S, DET_Z, ERROR_S, ERROR_Z, ROUNDING, S, Z
 
 EVEN = 0.5  # s·z of a ball at the start, in mean costs of a force or torque
 

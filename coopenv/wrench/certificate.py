@@ -33,7 +33,10 @@ from coopenv.wrench.coupling import (
     solve_system,
     spread_evenly,
 )
+from coopenv.wrench.curvature import under_hessian
 from coopenv.wrench.lanes import (
+    compiled,
+    inlined,
     larger,
     largest,
     root,
@@ -44,8 +47,7 @@ from coopenv.wrench.lanes import (
     total,
     where,
 )
-from coopenv.wrench.newton import under_hessian
-from coopenv.wrench.second_order import TINY, Z, compiled, inlined
+from coopenv.wrench.second_order import TINY, Z
 
 EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost

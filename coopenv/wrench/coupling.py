@@ -14,8 +14,7 @@ from coopenv.wrench.blocks import (
     num_chunks,
 )
 from coopenv.wrench.fields import TABLE_WIDTH, after
-from coopenv.wrench.lanes import total, where
-from coopenv.wrench.second_order import compiled, inlined
+from coopenv.wrench.lanes import compiled, inlined, total, where
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
 SYSTEM = 11  # rows in all

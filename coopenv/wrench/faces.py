@@ -35,7 +35,8 @@ from coopenv.wrench.coupling import (
     solve_system,
 )
 from coopenv.wrench.fields import after
-from coopenv.wrench.second_order import CONE, Z, compiled
+from coopenv.wrench.lanes import compiled
+from coopenv.wrench.second_order import CONE, Z
 
 LARGE = 0.03  # of the largest multiplier: one that may belong to λ
 EXACT = 1e-13  # relative error up to which the equations hold

@@ -11,10 +11,10 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin
+from numba.core.typing.templates import AbstractTemplate, signature
+from numba.extending import lower_builtin
 
-from coopenv.wrench.lanes import LANES, VECTOR, lanes, new_type
+from coopenv.wrench.lanes import LANES, VECTOR, declared, in_llvm, lanes, new_type
 
 TABLE_WIDTH = 6
 POINTER = ir.DoubleType().as_pointer()
@@ -30,7 +30,7 @@ ITEMS = {  # how they are indexed, and what is there
 }
 
 
-@infer_global(operator.getitem)
+@declared(operator.getitem)
 class _Get(AbstractTemplate):
     def generic(self, args, kws):
         if args[0] not in ITEMS:
@@ -39,7 +39,7 @@ class _Get(AbstractTemplate):
         return signature(item, args[0], index)
 
 
-@infer_global(operator.setitem)
+@declared(operator.setitem)
 class _Set(AbstractTemplate):
     def generic(self, args, kws):
         if args[0] not in ITEMS:
@@ -83,19 +83,19 @@ def _to_pointer(context, builder, sig, args):
     return builder.inttoptr(args[0], POINTER)
 
 
-@intrinsic
+@in_llvm
 def four_at(typing_context, address):
     """Take an address for that of the fields of four blocks."""
     return fields_of_four(types.intp), _to_pointer
 
 
-@intrinsic
+@in_llvm
 def table_at(typing_context, address):
     """Take an address for that of a table."""
     return table(types.intp), _to_pointer
 
 
-@intrinsic
+@in_llvm
 def lane(typing_context, four, which):
     """Fields of one of the four blocks."""
 
@@ -105,7 +105,7 @@ def lane(typing_context, four, which):
     return fields_of_one(fields_of_four, types.intp), generate
 
 
-@intrinsic
+@in_llvm
 def after(typing_context, four, count):
     """Fields from number ``count`` on."""
 

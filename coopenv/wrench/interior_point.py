@@ -10,10 +10,9 @@ from coopenv.wrench.central_start import start
 from coopenv.wrench.certificate import EXCESS, LOOSE, settle
 from coopenv.wrench.coupling import BALANCE, largest_component, mark_alive
 from coopenv.wrench.faces import fix_immovable
-from coopenv.wrench.lanes import splat, total
+from coopenv.wrench.lanes import compiled, splat, total
 from coopenv.wrench.newton import improve, predict
 from coopenv.wrench.progress import measure
-from coopenv.wrench.second_order import compiled
 
 PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
 THIN = 0.05  # sine below which they nearly agree

@@ -18,19 +18,40 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, models, regist
 LANES = 4
 FLAGS = ("contract",)  # a product and a sum may become one instruction
 VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+OPTIONS: dict[str, Any] = {
+    "error_model": "numpy",
+    "nogil": True,
+    "fastmath": set(FLAGS),
+    "no_cpython_wrapper": True,  # they are called from compiled code only
+    "no_cfunc_wrapper": True,
+}
+compiled = njit(**OPTIONS)
+inlined = njit(**OPTIONS, forceinline=True)
+declared: Any = infer_global
+
 NUMBER_AND_NUMBER = {"add": "fadd", "sub": "fsub", "mul": "fmul", "truediv": "fdiv"}
 COMPARISONS = {"lt": "<", "le": "<=", "gt": ">", "ge": ">="}
 
 
 def new_type(name: str, represented: ir.Type) -> Any:
     """Make a type of compiled code that LLVM holds as ``represented``."""
-    kind = type(name, (types.Type,), {"__init__": lambda self: types.Type.__init__(self, name)})
+    kind: Any = type(
+        name, (types.Type,), {"__init__": lambda self: types.Type.__init__(self, name)}
+    )
 
     def layout(self: Any, manager: Any, kind: Any) -> None:
         models.PrimitiveModel.__init__(self, manager, kind, represented)
 
     register_model(kind)(type(name, (models.PrimitiveModel,), {"__init__": layout}))
     return kind()
+
+
+def in_llvm(function: Callable[..., Any]) -> Any:
+    """Make a function of compiled code whose body is in LLVM's terms.
+
+    Its first parameter comes from numba, the others from the caller: no type checker can know.
+    """
+    return intrinsic(function)
 
 
 lanes = new_type("Lanes", VECTOR)
@@ -50,7 +71,7 @@ def _repeat(context, builder, given, _, value):
 def _define_operator(function: Callable[..., Any], result: Any, generate: Any, count: int) -> None:
     """Let an operator take ``count`` lanes, of which all but one may be numbers."""
 
-    @infer_global(function)
+    @declared(function)
     class _Operator(AbstractTemplate):
         def generic(self, args, kws):
             fits = all(a == lanes or isinstance(a, types.Number) for a in args)
@@ -77,7 +98,7 @@ for _name, _sign in COMPARISONS.items():
 _define_operator(operator.neg, lanes, lambda builder, a: builder.fneg(a), 1)
 
 
-@infer_global(operator.and_)
+@declared(operator.and_)
 class _And(AbstractTemplate):
     def generic(self, args, kws):
         return signature(mask, mask, mask) if args == (mask, mask) else None
@@ -88,13 +109,13 @@ def _and(context, builder, sig, args):
     return builder.and_(*args)
 
 
-@intrinsic
+@in_llvm
 def splat(typing_context, number):
     """Take a number four times."""
     return lanes(lanes), lambda context, builder, sig, args: args[0]
 
 
-@intrinsic
+@in_llvm
 def where(typing_context, condition, yes, no):
     """Take ``yes`` in the lanes that meet the condition, ``no`` in the others."""
     return lanes(mask, lanes, lanes), lambda context, builder, sig, args: builder.select(*args)
@@ -109,13 +130,13 @@ def _chosen(sign: str) -> Any:
     return generate
 
 
-@intrinsic
+@in_llvm
 def larger(typing_context, a, b):
     """The larger of two, lane by lane; b where one is not a number."""
     return lanes(lanes, lanes), _chosen(">")
 
 
-@intrinsic
+@in_llvm
 def smaller(typing_context, a, b):
     """The smaller of two, lane by lane; b where one is not a number."""
     return lanes(lanes, lanes), _chosen("<")
@@ -131,19 +152,19 @@ def _of_llvm(name: str) -> Any:
     return generate
 
 
-@intrinsic
+@in_llvm
 def root(typing_context, x):
     """Square root of every lane."""
     return lanes(lanes), _of_llvm("sqrt")
 
 
-@intrinsic
+@in_llvm
 def size(typing_context, x):
     """Absolute value of every lane."""
     return lanes(lanes), _of_llvm("fabs")
 
 
-@intrinsic
+@in_llvm
 def some(typing_context, condition):
     """Whether any lane meets the condition."""
 
@@ -154,7 +175,7 @@ def some(typing_context, condition):
     return types.boolean(mask), generate
 
 
-@intrinsic
+@in_llvm
 def element(typing_context, x, which):
     """One lane as a number."""
 
@@ -164,22 +185,19 @@ def element(typing_context, x, which):
     return types.float64(lanes, types.intp), generate
 
 
-_reduction = njit(error_model="numpy", no_cpython_wrapper=True, forceinline=True)
-
-
-@_reduction
+@inlined
 def total(x):
     """Sum of the lanes."""
     return (element(x, 0) + element(x, 2)) + (element(x, 1) + element(x, 3))
 
 
-@_reduction
+@inlined
 def largest(x):
     """Largest of the lanes."""
     return max(max(element(x, 0), element(x, 2)), max(element(x, 1), element(x, 3)))
 
 
-@_reduction
+@inlined
 def smallest(x):
     """Smallest of the lanes."""
     return min(min(element(x, 0), element(x, 2)), min(element(x, 1), element(x, 3)))

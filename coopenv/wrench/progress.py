@@ -22,7 +22,7 @@ from coopenv.wrench.coupling import (
     collect_resultant,
     seen,
 )
-from coopenv.wrench.lanes import larger, largest, size, splat, total, where
+from coopenv.wrench.lanes import compiled, inlined, larger, largest, size, splat, total, where
 from coopenv.wrench.second_order import (
     DET_S,
     DET_Z,
@@ -33,8 +33,6 @@ from coopenv.wrench.second_order import (
     S,
     Z,
     advance,
-    compiled,
-    inlined,
     inner,
     refresh,
     renew,

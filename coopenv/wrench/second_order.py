@@ -8,12 +8,9 @@ Source: Nesterov-Todd scaling as in L. Vandenberghe, "The CVXOPT linear and quad
 solvers", 2010, sections 4 and 5.
 """
 
-from typing import Any
-
 import numpy as np
-from numba import njit
 
-from coopenv.wrench.lanes import larger, root, some, splat, where
+from coopenv.wrench.lanes import compiled, inlined, larger, root, some, splat, where
 
 S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # fields: the pair, scaling, right-hand side, steps
 DET_S, DET_Z, ERROR_S, ERROR_Z = 24, 25, 26, 27
@@ -24,16 +21,6 @@ CONE = 39  # fields of a cone
 ROUNDING = 4e-16  # of a product of vectors, relative
 CANCELLED = 1e-3  # s·z, relative to s_0 z_0, below which it is not taken from the components
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
-
-OPTIONS: dict[str, Any] = {
-    "error_model": "numpy",
-    "nogil": True,
-    "fastmath": {"contract"},
-    "no_cpython_wrapper": True,  # they are called from compiled code only
-    "no_cfunc_wrapper": True,
-}
-compiled = njit(**OPTIONS)
-inlined = njit(**OPTIONS, forceinline=True)
 
 
 @inlined

@@ -6,7 +6,6 @@ from hashlib import sha256
 import numpy as np
 from numba import njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
 from coopenv.wrench import (
@@ -15,6 +14,7 @@ from coopenv.wrench import (
     central_start,
     certificate,
     coupling,
+    curvature,
     faces,
     fields,
     interior_point,
@@ -26,7 +26,7 @@ from coopenv.wrench import (
 from coopenv.wrench.blocks import WIDTH, chunks_for, fill, write
 from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
-from coopenv.wrench.second_order import compiled
+from coopenv.wrench.lanes import compiled
 
 LINE = 64  # bytes to which memory is aligned
 
@@ -45,7 +45,7 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
     report[4] = unit * undercut(system, saved) if steps > 0 else 0.0
 
 
-@intrinsic
+@lanes.in_llvm
 def _pointer(typing_context, address):
     """Take an integer for an address."""
 
@@ -58,8 +58,7 @@ def _pointer(typing_context, address):
 @compiled
 def _uncounted(address, shape):
     """View of memory whose rows numba does not count the references to: that took half the time."""
-    pointer = _pointer(address)  # pyright: ignore[reportCallIssue]  # numba adds the context
-    return carray(pointer, shape, np.float64)
+    return carray(_pointer(address), shape, np.float64)
 
 
 def _compile_batch():
@@ -67,8 +66,10 @@ def _compile_batch():
 
     numba looks at the file of the entry alone; what a closure holds goes into its key as well.
     """
-    files = (agreement, blocks, central_start, certificate, coupling, faces, fields, interior_point)
-    text = "".join(map(inspect.getsource, (*files, lanes, newton, progress, second_order)))
+    files = (agreement, blocks, central_start, certificate, coupling, curvature, faces, fields)
+    text = "".join(
+        map(inspect.getsource, (*files, interior_point, lanes, newton, progress, second_order))
+    )
     stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
 
     @njit(error_model="numpy", nogil=True, fastmath={"contract"}, cache=True)
