@@ -35,13 +35,14 @@ COMPARISONS = {"lt": "<", "le": "<=", "gt": ">", "ge": ">="}
 
 def new_type(name: str, represented: ir.Type) -> Any:
     """Make a type of compiled code that LLVM holds as ``represented``."""
-    kind: Any = type(
-        name, (types.Type,), {"__init__": lambda self: types.Type.__init__(self, name)}
-    )
+
+    def begin(self: Any) -> None:
+        types.Type.__init__(self, name)
 
     def layout(self: Any, manager: Any, kind: Any) -> None:
         models.PrimitiveModel.__init__(self, manager, kind, represented)
 
+    kind: Any = type(name, (types.Type,), {"__init__": begin})
     register_model(kind)(type(name, (models.PrimitiveModel,), {"__init__": layout}))
     return kind()
 

@@ -28,6 +28,21 @@ from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
 from coopenv.wrench.lanes import compiled
 
+FILES = (
+    agreement,
+    blocks,
+    central_start,
+    certificate,
+    coupling,
+    curvature,
+    faces,
+    fields,
+    interior_point,
+    lanes,
+    newton,
+    progress,
+    second_order,
+)  # all that goes into the compiled code
 LINE = 64  # bytes to which memory is aligned
 
 
@@ -66,10 +81,7 @@ def _compile_batch():
 
     numba looks at the file of the entry alone; what a closure holds goes into its key as well.
     """
-    files = (agreement, blocks, central_start, certificate, coupling, curvature, faces, fields)
-    text = "".join(
-        map(inspect.getsource, (*files, interior_point, lanes, newton, progress, second_order))
-    )
+    text = "".join(map(inspect.getsource, FILES))
     stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
 
     @njit(error_model="numpy", nogil=True, fastmath={"contract"}, cache=True)
