@@ -95,7 +95,7 @@ def _timed(run: Callable[[], Any]) -> float:
 
 def _structured(applied: FloatArray, grips: FloatArray) -> tuple[float, float]:
     """Seconds a sample on one thread, and iterations."""
-    manipulation, report = np.empty_like(applied), np.empty((len(applied), 4))
+    manipulation, report = np.empty_like(applied), np.empty((len(applied), 5))
     arguments = (applied, grips[None].copy(), 0.5, 0.0, structured.TOLERANCE, manipulation, report)
     solve_batch(*arguments)
     seconds = _timed(lambda: solve_batch(*arguments))

@@ -20,22 +20,14 @@ from coopenv.wrench.blocks import (
     REST,
     G,
     V,
+    block,
     norm3,
+    num_blocks,
 )
 from coopenv.wrench.certificate import saving, shortfall
 from coopenv.wrench.coupling import NU, NU_STEP
-from coopenv.wrench.second_order import (
-    CONE,
-    DET_S,
-    DET_Z,
-    ERROR_S,
-    ERROR_Z,
-    ROUNDING,
-    TINY,
-    S,
-    Z,
-    compiled,
-)
+from coopenv.wrench.lanes import compiled
+from coopenv.wrench.second_order import CONE, DET_S, DET_Z, ERROR_S, ERROR_Z, ROUNDING, TINY, S, Z
 
 
 @compiled
@@ -46,8 +38,8 @@ def disagreement(k, system):
     size = max(norm3(x, y, z), TINY)
     x, y, z = x / size, y / size, z / size
     sine = 0.0
-    for i in range(0, k.shape[0], 2):
-        row = k[i]
+    for i in range(0, num_blocks(k), 2):
+        row = block(k, i)
         if row[FREE] == 0.0:
             continue
         fx = row[COLUMNS] * row[V] + row[COLUMNS + 6] * row[V + 1]
@@ -65,9 +57,10 @@ def _sum(k, system, first):
     """Write Σ f to dν, or Σ t to its second half (``first`` = 3)."""
     for r in range(first, first + 3):
         system[NU_STEP, r] = 0.0
-        for i in range(first // 3, k.shape[0], 2):
+        for i in range(first // 3, num_blocks(k), 2):
+            row = block(k, i)
             for j in range(2):
-                system[NU_STEP, r] += k[i, COLUMNS + 6 * j + r] * k[i, V + j]
+                system[NU_STEP, r] += row[COLUMNS + 6 * j + r] * row[V + j]
 
 
 @compiled
@@ -78,10 +71,10 @@ def share_torques(k, system):
     """
     _sum(k, system, 3)
     supply = 0.0
-    for i in range(1, k.shape[0], 2):
-        supply += max(_along(k[i], system), 0.0)
-    for i in range(k.shape[0]):
-        row = k[i]
+    for i in range(1, num_blocks(k), 2):
+        supply += max(_along(block(k, i), system), 0.0)
+    for i in range(num_blocks(k)):
+        row = block(k, i)
         row[ANSWER], row[ANSWER + 1], row[ANSWER + 2] = 0.0, 0.0, 0.0
         if i % 2 == 0 or row[FREE] == 0.0:
             continue
@@ -110,9 +103,9 @@ def certify(k, system, sine):
     _aim(k, system, max(sine, 1e-15))
     size = max(share_torques(k, system), TINY)
     for r in range(3, 6):
-        system[NU, r] = -k[1, PRICE] * system[NU_STEP, r] / size
-    for i in range(k.shape[0]):
-        row = k[i]
+        system[NU, r] = -block(k, 1)[PRICE] * system[NU_STEP, r] / size
+    for i in range(num_blocks(k)):
+        row = block(k, i)
         z = FIRST_CONE + Z
         length = max(norm3(row[V], row[V + 1], 0.0), TINY)
         for j in range(3):
@@ -134,7 +127,7 @@ def _aim(k, system, sine):
     _sum(k, system, 0)
     size = max(norm3(system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]), TINY)
     for r in range(3):
-        system[NU, r] = -k[0, PRICE] / sine * system[NU_STEP, r] / size
+        system[NU, r] = -block(k, 0)[PRICE] / sine * system[NU_STEP, r] / size
         system[NU, r + 3] = 0.0
 
 
@@ -145,12 +138,15 @@ def start_near(k, system, sine):
     g = θ f with θ such that s·z is as large as in the other blocks.
     """
     _aim(k, system, sine)
-    target = 0.0
-    for i in range(0, k.shape[0], 2):
-        target += 2.0 * k[i, PRICE] * norm3(k[i, V], k[i, V + 1], 0.0) / k.shape[0]
-    for i in range(0, k.shape[0], 2):
-        if k[i, FREE] > 0.0:
-            _start_force_near(k[i], system, target)
+    total, number = 0.0, 0
+    for i in range(0, num_blocks(k), 2):
+        row = block(k, i)
+        if row[PRICE] > 0.0:
+            total += row[PRICE] * norm3(row[V], row[V + 1], 0.0)
+            number += 1
+    for i in range(0, num_blocks(k), 2):
+        if block(k, i)[FREE] > 0.0:
+            _start_force_near(block(k, i), system, total / number)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""A sample as the structured solver sees it: one row of numbers for every force and every torque.
+"""A sample as the structured solver sees it: one block of fields for every force and every torque.
 
 Block 2i is the force of effector i, block 2i + 1 its pure torque: a vector v in a frame of its own
 in which the first ``FREE`` coordinates of its internal part g may differ from 0, and the columns G
@@ -10,18 +10,25 @@ its applied cost. A block has up to four cones, in this order:
 1  ball        (‖v‖/2, g − v/2)                              eqs. 19 and 21
 2  disc        the same without the first coordinate         eq. 20
 3  disc cost   (τ, v − g) without the first coordinate, at cost c τ: the induced torque's for s = 1
+
+In memory four effectors make two chunks, their forces and their torques (`lanes`). Where a sample
+has fewer, blocks without free coordinates fill the lanes.
 """
 
 from math import sqrt
 
-from coopenv.wrench.second_order import CONE, TINY, compiled, inlined
+from coopenv.wrench.fields import after, lane
+from coopenv.wrench.lanes import LANES, compiled, inlined, largest
+from coopenv.wrench.second_order import CONE, TINY
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
 V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg
-FACTOR, RIGHT, COLUMNS, CARRIED, FIRST_CONE = 20, 26, 29, 47, 65  # see `newton`
-PENDING = FIRST_CONE + 4 * CONE  # see `faces`
-KEPT = PENDING + 1  # the best answer so far
-WIDTH = KEPT + 3
+KEPT = 20  # the best answer so far
+COLUMNS = 23  # G, six numbers a column
+PENDING = 41  # see `faces`
+SEEN, RIGHT, FACTOR = 42, 45, 48  # Gᵀν, ρ, L D Lᵀ, see `newton`
+FIRST_CONE = 54
+WIDTH = FIRST_CONE + 4 * CONE
 
 NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
 RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it
@@ -34,38 +41,76 @@ def norm3(x, y, z):
 
 
 @inlined
-def cone_of(row, c):
-    """Numbers of a block's cone, as `second_order` has them."""
-    return row[FIRST_CONE + CONE * c : FIRST_CONE + CONE * (c + 1)]
+def chunks_for(num_effectors):
+    """Chunks for so many effectors: two for every four."""
+    return 2 * ((num_effectors + LANES - 1) // LANES)
+
+
+@inlined
+def num_chunks(k):
+    """Chunks of a sample."""
+    return k[1]
+
+
+@inlined
+def num_blocks(k):
+    """Blocks in all, those included that only fill the lanes."""
+    return LANES * k[1]
+
+
+@inlined
+def chunk(k, i):
+    """Fields of chunk i, each of four blocks at once."""
+    return after(k[0], WIDTH * i)
+
+
+@inlined
+def block(k, i):
+    """Fields of block i, each a number."""
+    return lane(chunk(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
+
+
+@inlined
+def num_cones(b):
+    """Most cones that a block of the chunk has."""
+    return int(largest(b[CONES]))
+
+
+@inlined
+def cone_of(b, c):
+    """Fields of the cones c of a chunk, as `second_order` has them."""
+    return after(b, FIRST_CONE + CONE * c)
 
 
 @compiled
 def fill(k, wrench, grips, w, induced, spare):
     """Write the sample's blocks; return its units of force, length and cost."""
     full, grip, frame = spare
-    for i in range(k.shape[0]):
-        for j in range(WIDTH):
-            k[i, j] = 0.0  # the sample before may have left what is not a number
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(FIRST_CONE):
+            b[j] = 0.0  # the sample before may have left what is not a number
     force, length = _units(wrench, grips, full, grip)
+    cost = 0.0
     for i in range(wrench.shape[0]):
         _spread(wrench, grips, i, full, grip)
         for r in range(3):
             full[r] /= force
             full[r + 3] /= force * length
             grip[r] /= length
-        _fill_force(k[2 * i], full, grip, frame, wrench.shape[1] == 3)
-        _fill_torque(k[2 * i + 1], full, frame, wrench.shape[1] == 3)
-        k[2 * i, PRICE], k[2 * i + 1, PRICE] = 1.0 - w, w * length
-        k[2 * i, DISC_PRICE] = induced * w * length * norm3(grip[0], grip[1], grip[2])
-        k[2 * i + 1, DISC_PRICE] = 0.0
-        if k[2 * i, CONES] == 3.0 and induced > 0.0:
-            k[2 * i, CONES] = 4.0
-    cost = 0.0
-    for i in range(k.shape[0]):
-        cost += k[i, PRICE] * norm3(k[i, V], k[i, V + 1], 0.0) + k[i, DISC_PRICE] * abs(k[i, V + 1])
-    for i in range(k.shape[0]):
-        k[i, PRICE] /= max(cost, TINY)
-        k[i, DISC_PRICE] /= max(cost, TINY)
+        row, torque = block(k, 2 * i), block(k, 2 * i + 1)
+        _fill_force(row, full, grip, frame, wrench.shape[1] == 3)
+        _fill_torque(torque, full, frame, wrench.shape[1] == 3)
+        row[PRICE], torque[PRICE] = 1.0 - w, w * length
+        row[DISC_PRICE] = induced * w * length * norm3(grip[0], grip[1], grip[2])
+        if row[CONES] == 3.0 and induced > 0.0:
+            row[CONES] = 4.0
+        cost += row[PRICE] * norm3(row[V], row[V + 1], 0.0) + row[DISC_PRICE] * abs(row[V + 1])
+        cost += torque[PRICE] * abs(torque[V])
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        b[PRICE] /= max(cost, TINY)
+        b[DISC_PRICE] /= max(cost, TINY)
     return force, length, cost
 
 
@@ -187,10 +232,10 @@ def write(k, wrench, force, length, manipulation):
     for i in range(wrench.shape[0]):
         for r in range(size):
             component = 5 if size == 3 and r == 2 else r
-            block, unit = 2 * i, force
+            row, unit = block(k, 2 * i), force
             if component > 2:
-                block, unit = 2 * i + 1, force * length
+                row, unit = block(k, 2 * i + 1), force * length
             internal = 0.0
-            for j in range(int(k[block, FREE])):
-                internal += k[block, COLUMNS + 6 * j + component] * k[block, ANSWER + j]
+            for j in range(3):
+                internal += row[COLUMNS + 6 * j + component] * row[ANSWER + j]
             manipulation[i, r] = wrench[i, r] - unit * internal

@@ -14,19 +14,40 @@ import numpy as np
 
 from coopenv.wrench.blocks import (
     ANSWER,
-    COLUMNS,
     CONES,
     DISC_PRICE,
     FREE,
     PRICE,
     RADIUS,
     V,
+    chunk,
     cone_of,
-    norm3,
+    num_chunks,
+    num_cones,
 )
-from coopenv.wrench.coupling import BALANCE, NU, NU_STEP, resultant, solve_system, spread_evenly
-from coopenv.wrench.newton import spread_step
-from coopenv.wrench.second_order import TINY, Z, compiled, inlined
+from coopenv.wrench.coupling import (
+    NU,
+    NU_STEP,
+    resultant,
+    seen,
+    solve_system,
+    spread_evenly,
+)
+from coopenv.wrench.curvature import under_hessian
+from coopenv.wrench.lanes import (
+    compiled,
+    inlined,
+    larger,
+    largest,
+    root,
+    size,
+    smaller,
+    smallest,
+    splat,
+    total,
+    where,
+)
+from coopenv.wrench.second_order import TINY, Z
 
 EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
@@ -39,72 +60,80 @@ SLACK = 5e-13  # what `undercut` takes for ε: more than there is, as the multip
 @compiled
 def shortfall(k, system):
     """Bound on J(h) − J* from the multipliers and the cones' z."""
-    total = 0.0
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            total += _block_shortfall(k[i], system, 3 * (i & 1))
-    return total
+    bound = splat(0.0)
+    for i in range(num_chunks(k)):
+        bound += block_shortfall(chunk(k, i), *seen(chunk(k, i), system, NU, i & 1))
+    return total(bound)
 
 
-@compiled
-def _block_shortfall(row, system, first):
-    y0, y1, y2, total = 0.0, 0.0, 0.0, 0.0  # ζ_ball
-    for r in range(first, 6):
-        nu = system[NU, r]
-        y0 += row[COLUMNS + r] * nu
-        y1 += row[COLUMNS + 6 + r] * nu
-        y2 += row[COLUMNS + 12 + r] * nu
-    for c in range(int(row[CONES])):
-        cone = cone_of(row, c)
+@inlined
+def block_shortfall(b, y0, y1, y2):
+    """Terms of the bound for y = Gᵀν, which becomes ζ_ball."""
+    bound = splat(0.0)
+    for c in range(num_cones(b)):
+        if c == 1:
+            continue
+        cone, present = cone_of(b, c), b[CONES] > c
         a0, a1, a2 = cone[Z + 1], cone[Z + 2], cone[Z + 3]
         if c == 2:  # the program's z of a disc is −ζ
             y1, y2 = y1 + a1, y2 + a2
-            total += 0.5 * _defect(0.0, -a1, -a2, 0.0, row[V + 1])
-        elif c != 1:
-            price = row[PRICE] if c == 0 else row[DISC_PRICE]
-            size = norm3(a0, a1, a2)
-            shrink = price / size if size > price else 1.0
-            a0, a1, a2 = a0 * shrink, a1 * shrink, a2 * shrink
-            y0, y1, y2 = y0 - a0, y1 - a1, y2 - a2
-            v0 = row[V] if c == 0 else 0.0
-            total += (price - size * shrink) * sqrt(v0 * v0 + row[V + 1] * row[V + 1])
-            total += _defect(a0, a1, a2, v0, row[V + 1])
-    if row[FREE] < 2.0:
-        return total + 0.5 * _defect(y0, 0.0, 0.0, row[V], 0.0)
-    if row[FREE] < 3.0:
-        y2 = 0.0
-    return total + 0.5 * _defect(y0, y1, y2, row[V], row[V + 1])
+            bound += 0.5 * _defect(splat(0.0), -a1, -a2, splat(0.0), b[V + 1])
+            continue
+        price = b[PRICE] if c == 0 else b[DISC_PRICE]
+        length = _length(a0, a1, a2)
+        shrink = where(length > price, price / length, 1.0)
+        a0, a1, a2 = a0 * shrink, a1 * shrink, a2 * shrink
+        y0, y1, y2 = y0 - a0, y1 - a1, y2 - a2
+        v0 = b[V] if c == 0 else splat(0.0)
+        defect = (price - length * shrink) * _length(v0, b[V + 1], 0.0)
+        bound += where(present, defect + _defect(a0, a1, a2, v0, b[V + 1]), 0.0)
+    several, all_three = b[FREE] > 1.0, b[FREE] > 2.0
+    y1, y2, v1 = where(several, y1, 0.0), where(all_three, y2, 0.0), where(several, b[V + 1], 0.0)
+    bound += 0.5 * _defect(y0, y1, y2, b[V], v1)
+    return where(b[FREE] > 0.0, bound, 0.0)
+
+
+@inlined
+def _length(x, y, z):
+    """Length of a vector, in every lane."""
+    return root(x * x + y * y + z * z)
 
 
 @inlined
 def _defect(a0, a1, a2, b0, b1):
     """‖a‖‖b‖ + a·b for b = (b_0, b_1, 0)."""
     product = a0 * b0 + a1 * b1
-    sizes = sqrt((a0 * a0 + a1 * a1 + a2 * a2) * (b0 * b0 + b1 * b1))
-    if product >= 0.0:
-        return sizes + product
+    square_a, square_b = a0 * a0 + a1 * a1 + a2 * a2, b0 * b0 + b1 * b1
+    sizes = root(square_a * square_b)
     c2 = a0 * b1 - a1 * b0
-    return (a2 * a2 * (b0 * b0 + b1 * b1) + c2 * c2) / max(sizes - product, TINY)
+    opposed = (a2 * a2 * square_b + c2 * c2) / larger(sizes - product, TINY)
+    return where(product >= 0.0, sizes + product, opposed)
 
 
 @compiled
 def saving(k, part):
     """J(h) − J(h − g) for g at ``part`` of the blocks, accurate where g is small."""
-    total = 0.0
-    for i in range(k.shape[0]):
-        row = k[i]
-        if row[FREE] == 0.0:
-            continue
-        v0, v1, g0, g1, g2 = row[V], row[V + 1], row[part], row[part + 1], row[part + 2]
-        before, after = v1 * v1, (v1 - g1) * (v1 - g1) + g2 * g2
-        difference = g1 * (2.0 * v1 - g1) - g2 * g2
-        if row[CONES] == 4.0:
-            total += row[DISC_PRICE] * difference / max(sqrt(before) + sqrt(after), TINY)
-        before += v0 * v0
-        after += (v0 - g0) * (v0 - g0)
-        difference += g0 * (2.0 * v0 - g0)
-        total += row[PRICE] * difference / max(sqrt(before) + sqrt(after), TINY)
-    return total
+    saved = splat(0.0)
+    for i in range(num_chunks(k)):
+        saved += block_saving(chunk(k, i), part)
+    return total(saved)
+
+
+@inlined
+def block_saving(b, part):
+    """J(h) − J(h − g) of four blocks."""
+    v0, v1, g0, g1, g2 = b[V], b[V + 1], b[part], b[part + 1], b[part + 2]
+    before, after = v1 * v1, (v1 - g1) * (v1 - g1) + g2 * g2
+    difference = g1 * (2.0 * v1 - g1) - g2 * g2
+    saved = splat(0.0)
+    if largest(b[CONES]) == 4.0:
+        saved = b[DISC_PRICE] * difference / larger(root(before) + root(after), TINY)
+        saved = where(b[CONES] > 3.0, saved, 0.0)
+    before += v0 * v0
+    after += (v0 - g0) * (v0 - g0)
+    difference += g0 * (2.0 * v0 - g0)
+    saved += b[PRICE] * difference / larger(root(before) + root(after), TINY)
+    return where(b[FREE] > 0.0, saved, 0.0)
 
 
 @compiled
@@ -128,50 +157,55 @@ def settle(k, system, part, excess):
     What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
     by shrinking everything towards 0, which keeps the balance: ‖θg‖² ≤ θ g·v.
     """
-    for i in range(k.shape[0]):
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
-            k[i, ANSWER + j] = k[i, part + j]
-    _balance(k, system)
-    for _ in range(5):
-        if resultant(k, system, ANSWER) <= EVENED:
+            b[ANSWER + j] = b[part + j]
+    missed = resultant(k, system, ANSWER, NU_STEP)
+    for _ in range(6):
+        if missed <= EVENED:
             break
         _balance(k, system)
-    if not resultant(k, system, ANSWER) <= BALANCED:
+        missed = resultant(k, system, ANSWER, NU_STEP)
+    if not missed <= BALANCED:
         spread_evenly(k, system)
-        if not resultant(k, system, ANSWER) <= BALANCED:
+        if not resultant(k, system, ANSWER, NU_STEP) <= BALANCED:
             return -np.inf
-    shrink = 1.0
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            shrink = min(shrink, _room(k[i], excess))
-    for i in range(k.shape[0]):
+    room = splat(1.0)
+    for i in range(num_chunks(k)):
+        room = smaller(_room(chunk(k, i), excess), room)
+    shrink = smallest(room)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
         for j in range(3):
-            k[i, ANSWER + j] *= shrink
+            b[ANSWER + j] *= shrink
     return saving(k, ANSWER)
 
 
 @compiled
 def _balance(k, system):
-    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0."""
-    resultant(k, system, ANSWER)
-    for r in range(6):
-        system[NU_STEP, r] = system[BALANCE, r]
+    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
     solve_system(system)
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            spread_step(k[i], system, 3 * (i & 1), 0.0, ANSWER)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        x, y, z = under_hessian(b, *seen(b, system, NU_STEP, i & 1))
+        b[ANSWER] += x
+        b[ANSWER + 1] += y
+        b[ANSWER + 2] += z
 
 
-@compiled
-def _room(row, excess):
-    """Largest θ ≤ 1 such that θ times the candidate is in the block's ball and disc."""
-    room = 1.0
-    for first in range(2 if row[CONES] > 2.0 else 1):
-        inner, square = 0.0, 0.0
-        for j in range(first, int(row[FREE])):
-            inner += row[ANSWER + j] * row[V + j]
-            square += row[ANSWER + j] * row[ANSWER + j]
-        radius = 0.5 * abs(row[V + 1]) if first == 1 else row[RADIUS]
-        if square > NOISE and sqrt(max(square - inner + radius * radius, 0.0)) - radius > excess:
-            room = min(room, max(inner, 0.0) / square)
-    return room
+@inlined
+def _room(b, excess):
+    """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
+    g0, g1, g2 = b[ANSWER], b[ANSWER + 1], b[ANSWER + 2]
+    inner, square = g1 * b[V + 1], g1 * g1 + g2 * g2
+    room = _room_of(inner + g0 * b[V], square + g0 * g0, b[RADIUS], excess)
+    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess)
+    return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
+
+
+@inlined
+def _room_of(inner, square, radius, excess):
+    """Largest θ ≤ 1 for one ball, from g·v and ‖g‖²."""
+    outside = root(larger(square - inner + radius * radius, 0.0)) - radius > excess
+    return where((square > NOISE) & outside, larger(inner, 0.0) / square, 1.0)

@@ -10,60 +10,69 @@ interior, the iterations' multipliers grow along λ without end, and there λ is
 if the equations hold to rounding; then the parts are fixed and the iterations start afresh.
 """
 
-from coopenv.wrench.blocks import COLUMNS, CONES, FIRST_CONE, FREE, PENDING, V, norm3
+from coopenv.wrench.blocks import (
+    COLUMNS,
+    CONES,
+    FIRST_CONE,
+    FREE,
+    PENDING,
+    STEP,
+    V,
+    block,
+    chunk,
+    norm3,
+    num_blocks,
+    num_chunks,
+)
 from coopenv.wrench.coupling import (
     NU,
     NU_STEP,
     SPARE,
-    add_square,
-    clear,
+    add_squares,
+    clear_matrix,
+    collect_matrix,
     find_pivots,
     solve_system,
 )
-from coopenv.wrench.second_order import CONE, Z, compiled
+from coopenv.wrench.fields import after
+from coopenv.wrench.lanes import compiled
+from coopenv.wrench.second_order import CONE, Z
 
 LARGE = 0.03  # of the largest multiplier: one that may belong to λ
 EXACT = 1e-13  # relative error up to which the equations hold
 POSITIVE = 1e-6  # μ v, relative to the largest, from which on a part is fixed
-LAMBDA = NU_STEP  # where λ is kept
+LAMBDA, SEEING = NU_STEP, STEP  # where λ is kept, and which coordinates see what must be 0
 
 
 @compiled
-def largest_multiplier(k):
-    """Largest multiplier of a ball or disc."""
-    largest = 0.0
-    for i in range(k.shape[0]):
-        if k[i, FREE] > 0.0:
-            for c in range(1, min(int(k[i, CONES]), 3)):
-                largest = max(largest, k[i, FIRST_CONE + CONE * c + Z])
-    return largest
+def fix_immovable(k, system, multiplier):
+    """Fix what is proved immovable, if anything is; return whether so.
 
-
-@compiled
-def fix_immovable(k, system):
-    """Fix what is proved immovable, if anything is; return whether so."""
-    limit = LARGE * largest_multiplier(k)
-    for i in range(k.shape[0]):
-        _suspect(k[i], limit)
+    ``multiplier`` is the largest of a ball or disc.
+    """
+    limit = LARGE * multiplier
+    for i in range(num_blocks(k)):
+        _suspect(block(k, i), limit)
     for r in range(6):
         system[LAMBDA, r] = system[NU, r]
     for _ in range(2):
         _project(k, system)
     size = 0.0
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            size = max(size, abs(_along(k[i], system, j)))
+    for i in range(num_blocks(k)):
+        row = block(k, i)
+        for j in range(int(row[FREE])):
+            size = max(size, abs(_along(row, system, j)))
     if size <= POSITIVE * limit:
         return False
-    for i in range(k.shape[0]):
-        if not _proves(k[i], system, size):
+    for i in range(num_blocks(k)):
+        if not _proves(block(k, i), system, size):
             return False
     fixed = False
-    for i in range(k.shape[0]):
-        row = k[i]
+    for i in range(num_blocks(k)):
+        row = block(k, i)
         if row[PENDING] < row[FREE]:
             fixed = True
-            row[FREE], row[CONES] = row[PENDING], 2.0
+            row[FREE], row[CONES] = row[PENDING], (2.0 if row[PENDING] > 0.0 else 0.0)
     return fixed
 
 
@@ -101,13 +110,17 @@ def _may_differ(row, j):
 @compiled
 def _project(k, system):
     """Make λ obey the equations: subtract what is seen by coordinates that must be 0."""
-    clear(system)
     for r in range(6):
         system[SPARE, r] = system[LAMBDA, r]
-    for i in range(k.shape[0]):
-        for j in range(int(k[i, FREE])):
-            if not _may_differ(k[i], j):
-                add_square(system, k[i], COLUMNS + 6 * j, 0, 1.0)
+    for i in range(num_blocks(k)):
+        row = block(k, i)
+        for j in range(3):
+            row[SEEING + j] = 1.0 if j < row[FREE] and not _may_differ(row, j) else 0.0
+    clear_matrix(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        add_squares(k, after(b, COLUMNS), 0, b[SEEING], b[SEEING + 1], b[SEEING + 2])
+    collect_matrix(k, system)
     for r in range(6):
         total = 0.0
         for t in range(6):

@@ -1,37 +1,26 @@
 """Second-order cones {(s_0, s_1): ‖s_1‖ ≤ s_0} for an interior-point method, compiled.
 
-A pair (s, z) in the cone lies in an array ``cone`` of numbers, beside all that is derived from it;
-s and z have four components, [s_0, s_1], padded with zeros. ``det`` is s_0² − ‖s_1‖². It is carried
-along from step to step where the difference would cancel.
+A pair (s, z) in the cone lies among the fields of a ``cone``, beside all that is derived from it,
+in four lanes for four cones (`lanes`); s and z have four components, [s_0, s_1], padded with zeros.
+``det`` is s_0² − ‖s_1‖². It is carried along from step to step where the difference would cancel.
 
 Source: Nesterov-Todd scaling as in L. Vandenberghe, "The CVXOPT linear and quadratic cone program
 solvers", 2010, sections 4 and 5.
 """
 
-from math import sqrt
-from typing import Any
-
 import numpy as np
-from numba import njit
 
-S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # offsets: the pair, scaling, right-hand side, steps
+from coopenv.wrench.lanes import compiled, inlined, larger, root, some, splat, where
+
+S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # fields: the pair, scaling, right-hand side, steps
 DET_S, DET_Z, ERROR_S, ERROR_Z = 24, 25, 26, 27
-LAMBDA = 28  # W⁻¹ s = W z
-PER_ETA, SQUARE, PER_HEAD, PER_BEND = 32, 33, 34, 35  # 1/η, 1/η², 1/(1 + w_0), 1/(2 w_0² − 1)
-CONE = 36  # numbers a cone occupies
+LAMBDA = 28  # W⁻¹ s = W z, with a det of 1
+PER_LAMBDA, PER_HEAD, PER_BEND = 32, 33, 34  # 1/λ_0, 1/(1 + w_0), 1/(2 w_0² − 1)
+PER_S, SQUARE, PER_SQUARE, INNER = 35, 36, 37, 38  # 1/√det s, 1/η², η², s·z
+CONE = 39  # fields of a cone
 ROUNDING = 4e-16  # of a product of vectors, relative
 CANCELLED = 1e-3  # s·z, relative to s_0 z_0, below which it is not taken from the components
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
-
-OPTIONS: dict[str, Any] = {
-    "error_model": "numpy",
-    "nogil": True,
-    "fastmath": {"contract"},
-    "no_cpython_wrapper": True,  # they are called from compiled code only
-    "no_cfunc_wrapper": True,
-}
-compiled = njit(**OPTIONS)
-inlined = njit(**OPTIONS, forceinline=True)
 
 
 @inlined
@@ -46,43 +35,66 @@ def mirrored(cone, a, b):
 
 
 @inlined
+def product(cone, a, b):
+    """Inner product aᵀb."""
+    return (
+        cone[a] * cone[b]
+        + cone[a + 1] * cone[b + 1]
+        + cone[a + 2] * cone[b + 2]
+        + cone[a + 3] * cone[b + 3]
+    )
+
+
+@inlined
+def tail(cone, x):
+    """Length of x without its first component."""
+    return root(cone[x + 1] * cone[x + 1] + cone[x + 2] * cone[x + 2] + cone[x + 3] * cone[x + 3])
+
+
+@inlined
 def scale(cone):
-    """Write the Nesterov-Todd direction w, 1/η and λ = W⁻¹ s.
+    """Write the Nesterov-Todd direction w, λ and what else belongs to the scaling.
 
     W = η [w_0, w_1ᵀ; w_1, I + w_1 w_1ᵀ/(1+w_0)] maps z to W z = W⁻¹ s.
     """
-    s, z, w = S, Z, W
-    root_s, root_z = sqrt(cone[DET_S]), sqrt(cone[DET_Z])
-    per_s, per_z = 1.0 / root_s, 1.0 / root_z
-    gamma = sqrt(0.5 + 0.5 * inner(cone) * per_s * per_z)
-    s0, z0, half = cone[s] * per_s, cone[z] * per_z, 0.5 / gamma
-    size = sqrt(root_s * root_z)
-    part = size / (s0 + z0 + 2.0 * gamma)
-    from_s, from_z = (gamma + z0) * part * per_s, (gamma + s0) * part * per_z
-    cone[LAMBDA] = size * gamma
+    root_s, root_z = root(cone[DET_S]), root(cone[DET_Z])
+    per_both = 1.0 / (root_s * root_z)
+    per_s, per_z = root_z * per_both, root_s * per_both
+    gamma = root(0.5 + 0.5 * cone[INNER] * per_both)
+    s0, z0 = cone[S] * per_s, cone[Z] * per_z
+    heads = s0 + z0 + 2.0 * gamma
+    per_product = 1.0 / (gamma * heads)
+    per_gamma, per_heads = heads * per_product, gamma * per_product
+    from_s, from_z = (gamma + z0) * per_heads * per_s, (gamma + s0) * per_heads * per_z
+    for_s, for_z = 0.5 * per_gamma * per_s, 0.5 * per_gamma * per_z
+    square = splat(0.0)
     for r in range(1, 4):
-        cone[LAMBDA + r] = from_s * cone[s + r] + from_z * cone[z + r]
-    w1 = (cone[s + 1] * per_s - cone[z + 1] * per_z) * half
-    w2 = (cone[s + 2] * per_s - cone[z + 2] * per_z) * half
-    w3 = (cone[s + 3] * per_s - cone[z + 3] * per_z) * half
-    w0 = sqrt(1.0 + w1 * w1 + w2 * w2 + w3 * w3)
-    cone[w], cone[w + 1], cone[w + 2], cone[w + 3] = w0, w1, w2, w3
-    cone[SQUARE] = root_z * per_s
-    cone[PER_ETA] = sqrt(cone[SQUARE])
-    cone[PER_HEAD] = 1.0 / (1.0 + w0)
-    cone[PER_BEND] = 1.0 / (2.0 * w0 * w0 - 1.0)
+        s, z = cone[S + r], cone[Z + r]
+        cone[LAMBDA + r] = from_s * s + from_z * z
+        w = for_s * s - for_z * z
+        cone[W + r] = w
+        square = square + w * w
+    w0 = root(1.0 + square)
+    head, bend = 1.0 + w0, 1.0 + 2.0 * square
+    per_product = 1.0 / (head * bend)
+    cone[W], cone[LAMBDA], cone[PER_LAMBDA] = w0, gamma, per_gamma
+    cone[PER_HEAD], cone[PER_BEND] = bend * per_product, head * per_product
+    cone[PER_S], cone[SQUARE], cone[PER_SQUARE] = per_s, root_z * per_s, root_s * per_z
 
 
 @inlined
 def inner(cone):
     """s·z, accurate also where the vectors are long and nearly opposite."""
+    plain, heads = product(cone, S, Z), cone[S] * cone[Z]
+    cancelled = plain <= CANCELLED * heads
+    return where(cancelled, _inner_of_opposite(cone), plain) if some(cancelled) else plain
+
+
+@compiled
+def _inner_of_opposite(cone):
     s, z = S, Z
     tails = cone[s + 1] * cone[z + 1] + cone[s + 2] * cone[z + 2] + cone[s + 3] * cone[z + 3]
-    heads = cone[s] * cone[z]
-    if heads + tails > CANCELLED * heads:
-        return heads + tails
-    length_s = sqrt(cone[s + 1] ** 2 + cone[s + 2] ** 2 + cone[s + 3] ** 2)
-    length_z = sqrt(cone[z + 1] ** 2 + cone[z + 2] ** 2 + cone[z + 3] ** 2)
+    length_s, length_z = tail(cone, s), tail(cone, z)
     c1 = cone[s + 2] * cone[z + 3] - cone[s + 3] * cone[z + 2]
     c2 = cone[s + 3] * cone[z + 1] - cone[s + 1] * cone[z + 3]
     c3 = cone[s + 1] * cone[z + 2] - cone[s + 2] * cone[z + 1]
@@ -93,17 +105,11 @@ def inner(cone):
 
 @inlined
 def unscaled(cone, x0, x1, x2, x3):
-    """W⁻¹ x."""
+    """η W⁻¹ x."""
     w0, w1, w2, w3 = cone[W], cone[W + 1], cone[W + 2], cone[W + 3]
     along = w1 * x1 + w2 * x2 + w3 * x3
     step = along * cone[PER_HEAD] - x0
-    per_eta = cone[PER_ETA]
-    return (
-        per_eta * (w0 * x0 - along),
-        per_eta * (x1 + step * w1),
-        per_eta * (x2 + step * w2),
-        per_eta * (x3 + step * w3),
-    )
+    return w0 * x0 - along, x1 + step * w1, x2 + step * w2, x3 + step * w3
 
 
 @inlined
@@ -118,28 +124,34 @@ def dual_step(cone):
 
 
 @inlined
-def correct(cone, target):
-    """Write the second-order corrector's right-hand side.
+def correct(cone, target, present):
+    """Write the second-order corrector's right-hand side; 0 where there is no such cone.
 
     q = −z + target·s⁻¹ + W⁻¹(u + λ∖(u∘u)),  u = W⁻¹ds (the predictor's),  λ = W⁻¹s
+
+    With v = ηu and λ scaled to a det of 1 the last term is η⁻² (ηW⁻¹)(v + λ∖(v∘v)/√det s).
     """
     s, z, q, d = S, Z, Q, DS
     u0, u1, u2, u3 = unscaled(cone, cone[d], cone[d + 1], cone[d + 2], cone[d + 3])
     l0, l1, l2, l3 = cone[LAMBDA], cone[LAMBDA + 1], cone[LAMBDA + 2], cone[LAMBDA + 3]
-    p0 = u0 * u0 + u1 * u1 + u2 * u2 + u3 * u3
-    p1, p2, p3 = 2.0 * u0 * u1, 2.0 * u0 * u2, 2.0 * u0 * u3
-    det = sqrt(cone[DET_S] * cone[DET_Z])
-    t0 = (l0 * p0 - l1 * p1 - l2 * p2 - l3 * p3) / max(det, TINY)
-    per_l0 = 1.0 / l0
-    u1 += (p1 - t0 * l1) * per_l0
-    u2 += (p2 - t0 * l2) * per_l0
-    u3 += (p3 - t0 * l3) * per_l0
+    per_s, square = cone[PER_S], cone[SQUARE]
+    square_u = u0 * u0 + u1 * u1 + u2 * u2 + u3 * u3
+    t0 = (l0 * square_u - 2.0 * u0 * (l1 * u1 + l2 * u2 + l3 * u3)) * per_s
+    part = cone[PER_LAMBDA]
+    twice = 2.0 * u0 * per_s * part
+    u1, u2, u3 = (
+        u1 + twice * u1 - t0 * part * l1,
+        u2 + twice * u2 - t0 * part * l2,
+        u3 + twice * u3 - t0 * part * l3,
+    )
     u0, u1, u2, u3 = unscaled(cone, u0 + t0, u1, u2, u3)
-    inverse = target / cone[DET_S]
-    cone[q] = u0 - cone[z] + inverse * cone[s]
-    cone[q + 1] = u1 - cone[z + 1] - inverse * cone[s + 1]
-    cone[q + 2] = u2 - cone[z + 2] - inverse * cone[s + 2]
-    cone[q + 3] = u3 - cone[z + 3] - inverse * cone[s + 3]
+    inverse = target * per_s * per_s
+    q0 = square * u0 - cone[z] + inverse * cone[s]
+    q1 = square * u1 - cone[z + 1] - inverse * cone[s + 1]
+    q2 = square * u2 - cone[z + 2] - inverse * cone[s + 2]
+    q3 = square * u3 - cone[z + 3] - inverse * cone[s + 3]
+    cone[q], cone[q + 1] = where(present, q0, 0.0), where(present, q1, 0.0)
+    cone[q + 2], cone[q + 3] = where(present, q2, 0.0), where(present, q3, 0.0)
 
 
 @inlined
@@ -147,13 +159,12 @@ def longest_step(cone, x, dx, det):
     """Largest α with x + α dx in the cone; infinite where the ray stays inside."""
     slope = mirrored(cone, x, dx)
     bend = mirrored(cone, dx, dx)
-    root = slope * slope - bend * det
-    if root < 0.0:
-        return np.inf
-    root = sqrt(root)
-    if slope > 0.0:
-        return (root + slope) / -bend if bend < 0.0 else np.inf
-    return det / (root - slope) if root > slope else np.inf
+    square = slope * slope - bend * det
+    length = root(larger(square, 0.0))
+    inwards = slope > 0.0
+    over = where(inwards, length + slope, det)
+    under = where(inwards, -bend, length - slope)
+    return where((under > 0.0) & (square >= 0.0), over / under, np.inf)
 
 
 @inlined
@@ -164,8 +175,9 @@ def advance(cone, x, dx, which, step):
     """
     error = which + ERROR_S - DET_S
     slope, bend = mirrored(cone, x, dx), mirrored(cone, dx, dx)
-    det = cone[which] + step * (2.0 * slope + step * bend)
-    cone[error] += ROUNDING * max(cone[which], det)
+    before = cone[which]
+    det = before + step * (2.0 * slope + step * bend)
+    cone[error] += ROUNDING * larger(before, det)
     cone[which] = det
     for r in range(4):
         cone[x + r] += step * cone[dx + r]
@@ -176,8 +188,15 @@ def refresh(cone, x, which):
     """Evaluate a det anew where that is more accurate than carrying it along."""
     error = which + ERROR_S - DET_S
     doubt = ROUNDING * cone[x] * cone[x]
-    if doubt < cone[error]:
-        length = sqrt(cone[x + 1] ** 2 + cone[x + 2] ** 2 + cone[x + 3] ** 2)
-        value = (cone[x] - length) * (cone[x] + length)
-        if value > 2.0 * doubt:
-            cone[which], cone[error] = value, doubt
+    if some(doubt < cone[error]):
+        length = tail(cone, x)
+        renew(cone, which, (cone[x] - length) * (cone[x] + length), doubt)
+
+
+@inlined
+def renew(cone, which, value, doubt):
+    """Take a det evaluated anew, uncertain by ``doubt``, in the lanes where that is better."""
+    error = which + ERROR_S - DET_S
+    better = (doubt < cone[error]) & (value > 2.0 * doubt)
+    cone[which] = where(better, value, cone[which])
+    cone[error] = where(better, doubt, cone[error])

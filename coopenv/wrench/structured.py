@@ -2,11 +2,11 @@
 
 A primal-dual interior-point method (`interior_point`). The effectors are coupled only by the
 balance of force and torque, so every Newton step comes down to one system of 6 equations
-(`newton`). Where the forces agree (`agreement`), which is the most common state of a good team, the
-feasible set has no interior and the answer is written down instead. Every answer is balanced and
-inside every ball to rounding and carries a bound on its suboptimality from the dual program
-(`certificate`). A sample whose bound is worse than `ACCEPTED` is also given to `conic`, and the
-better answer is kept; the bound stays our own.
+(`newton`); four effectors are treated at once (`lanes`). Where the forces agree (`agreement`),
+which is the most common state of a good team, the feasible set has no interior and the answer is
+written down instead. Every answer is balanced and inside every ball to rounding and carries a bound
+on its suboptimality from the dual program (`certificate`). A sample whose bound is worse than
+`ACCEPTED` is also given to `conic`, and the better answer is kept; the bound stays our own.
 
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
 left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds

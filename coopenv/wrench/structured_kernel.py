@@ -6,7 +6,6 @@ from hashlib import sha256
 import numpy as np
 from numba import njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
 from coopenv.wrench import (
@@ -15,15 +14,36 @@ from coopenv.wrench import (
     central_start,
     certificate,
     coupling,
+    curvature,
     faces,
+    fields,
     interior_point,
+    lanes,
     newton,
+    progress,
     second_order,
 )
-from coopenv.wrench.blocks import WIDTH, fill, write
+from coopenv.wrench.blocks import WIDTH, chunks_for, fill, write
 from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
-from coopenv.wrench.second_order import compiled
+from coopenv.wrench.lanes import compiled
+
+FILES = (
+    agreement,
+    blocks,
+    central_start,
+    certificate,
+    coupling,
+    curvature,
+    faces,
+    fields,
+    interior_point,
+    lanes,
+    newton,
+    progress,
+    second_order,
+)  # all that goes into the compiled code
+LINE = 64  # bytes to which memory is aligned
 
 
 @compiled
@@ -40,7 +60,7 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
     report[4] = unit * undercut(system, saved) if steps > 0 else 0.0
 
 
-@intrinsic
+@lanes.in_llvm
 def _pointer(typing_context, address):
     """Take an integer for an address."""
 
@@ -53,8 +73,7 @@ def _pointer(typing_context, address):
 @compiled
 def _uncounted(address, shape):
     """View of memory whose rows numba does not count the references to: that took half the time."""
-    pointer = _pointer(address)  # pyright: ignore[reportCallIssue]  # numba adds the context
-    return carray(pointer, shape, np.float64)
+    return carray(_pointer(address), shape, np.float64)
 
 
 def _compile_batch():
@@ -62,19 +81,19 @@ def _compile_batch():
 
     numba looks at the file of the entry alone; what a closure holds goes into its key as well.
     """
-    files = (agreement, blocks, central_start, certificate, coupling, faces, interior_point, newton)
-    text = "".join(map(inspect.getsource, (*files, second_order)))
+    text = "".join(map(inspect.getsource, FILES))
     stamp = int(sha256(text.encode()).hexdigest()[:8], 16)
 
     @njit(error_model="numpy", nogil=True, fastmath={"contract"}, cache=True)
     def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
         if stamp < 0:
             return
-        blocks_size, system_size = 2 * applied.shape[1] * WIDTH, coupling.SYSTEM * 6
-        memory = np.zeros(blocks_size + system_size + 18)
-        at = memory.ctypes.data
-        k = _uncounted(at, (2 * applied.shape[1], WIDTH))
-        system = _uncounted(at + 8 * blocks_size, (coupling.SYSTEM, 6))
+        chunks = chunks_for(applied.shape[1])
+        blocks_size = (chunks + 1) * WIDTH * lanes.LANES  # one more for sums
+        system_size = coupling.SYSTEM * fields.TABLE_WIDTH
+        memory = np.zeros(blocks_size + system_size + 18 + LINE // 8)
+        at = (memory.ctypes.data + LINE - 1) // LINE * LINE
+        k, system = (fields.four_at(at), chunks), fields.table_at(at + 8 * blocks_size)
         at += 8 * (blocks_size + system_size)
         spare = (_uncounted(at, 6), _uncounted(at + 48, 3), _uncounted(at + 72, (3, 3)))
         for j in range(applied.shape[0]):
