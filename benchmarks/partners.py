@@ -4,12 +4,13 @@ import time
 
 import numpy as np
 
-from benchmarks.transport import REPEATS, bare_step, full_step, random_actions
+from benchmarks.transport import REPEATS, bare_steps, full_steps, random_actions
 from coopenv import Transport, TransportTask
 from coopenv.agents.partners import PARTNERS
 from coopenv.arrays import FloatArray
 
 WORLDS = 1024
+STEPS = 40  # a run
 TARGET = 1.0  # what a partner adds to a step, to bare pymunk at the same substeps
 
 
@@ -21,8 +22,8 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
         "adds to a random team's step [µs/world]",
         "adds to a step of the same motion",
         "its own work",
-        "the core's physics",
-        "first / bare pymunk, same substeps",
+        "bare pymunk, same substeps",
+        "first / bare",
         "second / bare",
         "own / bare",
     ]
@@ -30,30 +31,32 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
 
 
 def _costs() -> list[list[str]]:
-    """What each kind of partner adds to a step, beside the bare physics; a line a kind.
+    """A line a kind: what it adds to the step of a team, and its share of that.
 
     Added to the step of a team that moves at random, and to that of one that is told to move as
-    the partner and the learner do: pymunk takes longer where bodies move faster.
+    the partner and the learner do: pymunk takes longer where bodies move faster. All of them take
+    their steps in turn.
     """
     never = TransportTask(position_tolerance=1e-9)  # or partners would be charged for resets
-    alone = Transport(num_worlds=WORLDS, task=never)
-    cores = {name: Transport(num_worlds=WORLDS, task=never, partner=name) for name in PARTNERS}
-    steps = 40
-    moves = {name: _joint_actions(core, steps) for name, core in cores.items()}
-    seen = {name: [] for name in cores}
-    for _ in range(REPEATS):
-        for name, core in cores.items():
-            bare = bare_step(alone, alone.substeps, steps)
-            full, random = full_step(core, steps), full_step(alone, steps)
-            same = full_step(alone, steps, moves[name])
-            own, physics = _own_work(core, steps)
-            added = (full - random, full - same)
-            seen[name].append((*added, own, physics, *np.divide((*added, own), bare)))
+    random, told, bare = (Transport(num_worlds=WORLDS, task=never) for _ in range(3))
     lines = []
-    for name, times in seen.items():
-        *costs, random, same, own = np.median(times, axis=0)
+    for name in PARTNERS:
+        core = Transport(num_worlds=WORLDS, task=never, partner=name)
+        same, seen = _joint_actions(core, STEPS), []
+        for _ in range(REPEATS):
+            runs = zip(
+                full_steps(core, random_actions(core, STEPS)),
+                full_steps(random, random_actions(random, STEPS)),
+                full_steps(told, same),
+                bare_steps(bare, bare.substeps, STEPS),
+                strict=True,
+            )
+            full, at_random, alike, physics = np.mean(list(runs), axis=0)
+            added, own = (full - at_random, full - alike), _own_work(core)
+            seen.append((*added, own, physics, *np.divide((*added, own), physics)))
+        *costs, first, second, third = np.median(seen, axis=0)
         micro = [f"{cost / WORLDS * 1e6:.2f}" for cost in costs]
-        lines.append([name, *micro, f"{random:.2f}", f"{same:.2f}", f"{own:.2f}"])
+        lines.append([name, *micro, f"{first:.2f}", f"{second:.2f}", f"{third:.2f}"])
     return lines
 
 
@@ -68,18 +71,14 @@ def _joint_actions(core: Transport, steps: int) -> FloatArray:
     return np.array(joint)
 
 
-def _own_work(core: Transport, steps: int) -> tuple[float, float]:
-    """Seconds of a step that the partner takes for itself, and that the core's physics takes."""
+def _own_work(core: Transport) -> float:
+    """Seconds of a step that the partner takes for itself, asked again and again."""
     company, last = core._company, core.transition
     assert company is not None
     assert last is not None
     action = np.zeros((core.num_worlds, len(core.learners), 3))
-    wrench = np.zeros((core.num_worlds, 3))
     began = time.perf_counter()
-    for _ in range(steps):
+    for _ in range(STEPS):
         company.joint(action, last)
         company.info(last)
-    between = time.perf_counter()
-    for _ in range(steps):
-        core.world.step(wrench)
-    return (between - began) / steps, (time.perf_counter() - between) / steps
+    return (time.perf_counter() - began) / STEPS

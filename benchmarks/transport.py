@@ -8,7 +8,7 @@ its two-agent ``transport`` at the same number of worlds.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
@@ -67,18 +67,21 @@ def compare(num_worlds: int) -> Row:
     )
 
 
-def full_step(core: Transport, steps: int, actions: FloatArray | None = None) -> float:
-    """Seconds a batched control step, resets of ended worlds included; random unless given."""
-    if actions is None:
-        actions = random_actions(core, steps)
+def full_step(core: Transport, steps: int) -> float:
+    """Seconds a batched control step of a team that acts at random."""
+    return sum(full_steps(core, random_actions(core, steps))) / steps
+
+
+def full_steps(core: Transport, actions: FloatArray) -> Iterator[float]:
+    """Seconds of each batched control step, resets of ended worlds included."""
     core.reset(seed=0)
-    began = time.perf_counter()
-    for k in range(steps):
-        *_, terminated, truncated, _ = core.step(actions[k])
+    for action in actions:
+        began = time.perf_counter()
+        *_, terminated, truncated, _ = core.step(action)
         ended = terminated | truncated
         if ended.any():
             core.reset(mask=ended)
-    return (time.perf_counter() - began) / steps
+        yield time.perf_counter() - began
 
 
 def random_actions(core: Transport, steps: int) -> FloatArray:
@@ -88,7 +91,12 @@ def random_actions(core: Transport, steps: int) -> FloatArray:
 
 
 def bare_step(core: Transport, substeps: int, steps: int) -> float:
-    """Seconds that pymunk alone takes for the same bodies: forces in, step, poses out.
+    """Seconds a control step that pymunk alone takes for the same bodies."""
+    return sum(bare_steps(core, substeps, steps)) / steps
+
+
+def bare_steps(core: Transport, substeps: int, steps: int) -> Iterator[float]:
+    """Seconds of each control step of pymunk alone: forces in, step, poses out.
 
     They start where the core starts them and move as briskly: random wrenches of the team's
     strength, new in every control step, and pymunk's own damping in place of the drag.
@@ -107,8 +115,8 @@ def bare_step(core: Transport, substeps: int, steps: int) -> float:
         command, report = batch.Buffer(), batch.Buffer()
         command.set_float_buf(np.zeros((count + 2, 3)))
         spaces.append((space, forces, command, report))
-    began = time.perf_counter()
     for step in range(steps):
+        began = time.perf_counter()
         for space, forces, command, report in spaces:
             for _ in range(substeps):
                 command.set_float_buf(forces[step])
@@ -117,10 +125,9 @@ def bare_step(core: Transport, substeps: int, steps: int) -> float:
                 report.clear()
                 batch.get_space_bodies(space, asked, report)
                 np.frombuffer(report.float_buf())
-    elapsed = time.perf_counter() - began
+        yield time.perf_counter() - began
     for space in core.world.spaces:
         space.damping = 1.0
-    return elapsed / steps
 
 
 def vmas_run(num_worlds: int, steps: int) -> Callable[[], float]:
