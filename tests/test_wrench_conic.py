@@ -186,3 +186,12 @@ def test_a_solver_that_gives_up_raises(monkeypatch):
     monkeypatch.setattr(ConeProgram, "solve", lambda self, *_: solved(self, 1e300, False))
     with pytest.raises(SolverError, match=r"Clarabel stopped with status .* at sample \(1,\)"):
         solve([[[0.0] * 3] * 3, [[1.0, 0, 0], [0, 1.0, 0], [-1, -1, 0.5]]], TRIANGLE)
+
+
+def test_traces_of_force_beside_torque_are_no_force():
+    applied = np.array([[1e-160, -2e-160, 0.9], [-1e-160, 2e-160, -0.08]])
+    grips = np.array([[0.27, 0.82], [0.77, -1.66]])
+    for traces in (applied, np.broadcast_to(applied, (2, 2, 3))):
+        d = wrench.decompose(traces, grips, solver="conic", include_induced=True)
+        np.testing.assert_allclose(d.manipulation[..., 2], traces[..., 2] * [0.82 / 0.9, 0.0])
+        assert (d.gap <= 1e-12).all()

@@ -246,8 +246,7 @@ def test_what_cannot_be_certified_is_also_tried_with_conic(monkeypatch):
     rng = np.random.default_rng(15)
     applied, grips = rng.normal(size=(6, 3, 3)), rng.normal(size=(3, 2))
     good = solve(applied, grips)
-    monkeypatch.setattr(structured, "TOLERANCE", 1e-3)
-    monkeypatch.setattr(structured.iterate, "__defaults__", (1e-3,))
+    monkeypatch.setattr(structured, "IN_PLANE", 1e-3)
     d = solve(applied, grips)
     assert d.solver == "structured"
     assert d.fell_back.any()

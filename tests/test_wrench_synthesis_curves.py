@@ -30,19 +30,16 @@ def round_trips(applied, grips, given=(True, True), **cost):
 @pytest.mark.parametrize("induced", [False, True])
 @pytest.mark.parametrize("name", list(pair_families(np.random.default_rng(0), 1)))
 def test_reachable_wishes_of_a_pair_off_the_axis_come_back(name, induced):
-    # `decompose` itself finds flat optima only to 1e-5 or so, and then says so of its own answers
     applied = pair_families(np.random.default_rng(5), 8)[name]
     off = round_trips(applied, GRIPS, torque_weight=0.4, include_induced=induced)
-    assert (off <= 1e-6).sum() >= 6
-    assert off.max() <= 1e-4
+    assert off.max() <= 1e-6
 
 
 @pytest.mark.parametrize("given", [(True, False), (False, True), (False, False)])
 def test_shares_may_be_left_open_off_the_axis(given):
     applied = np.random.default_rng(6).normal(size=(20, 2, 3))
     off = round_trips(applied, GRIPS, given)
-    assert (off <= 1e-6).sum() >= 16
-    assert off.max() <= 1e-4
+    assert off.max() <= 1e-6
 
 
 def test_a_squeeze_along_a_lever_comes_back():
@@ -69,8 +66,7 @@ def test_torques_are_such_that_the_solver_splits_them_as_wanted():
     split = applied[((kept > 1e-2) & (supplied > 1e-2)).all(axis=-1)][:8]
     assert len(split) == 8
     off = round_trips(split, GRIPS, (True, False))
-    assert (off <= 1e-6).sum() >= 6
-    assert off.max() <= 1e-4
+    assert off.max() <= 1e-6
 
 
 def test_what_a_pair_off_the_axis_cannot_do_is_named():

@@ -65,18 +65,61 @@ def _sum(k, system, first):
 
 @compiled
 def share_torques(k, system):
-    """Candidate that keeps every force and shares the torques along their sum t; return ‖t‖.
+    """Candidate that keeps every force and shares the torques along their sum; return its length.
 
-    t_M,i = max(t_i·t, 0) / Σ max(t_j·t, 0) t    (eqs. 22-23)
+    Their sum is left in dν.
     """
     _sum(k, system, 3)
-    supply = 0.0
-    for i in range(1, num_blocks(k), 2):
-        supply += max(_along(block(k, i), system), 0.0)
     for i in range(num_blocks(k)):
         row = block(k, i)
         row[ANSWER], row[ANSWER + 1], row[ANSWER + 2] = 0.0, 0.0, 0.0
-        if i % 2 == 0 or row[FREE] == 0.0:
+    _share(k, system, _supply(k, system))
+    return norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5])
+
+
+@compiled
+def share_needed(k, system):
+    """Share what the candidate needs of pure torque among all who can supply it.
+
+    Any split along their sum costs the same, and none costs less; without this it would be as the
+    iterations left it. Where the sum alone cannot be supplied, nothing changes.
+    """
+    for r in range(3, 6):
+        needed = 0.0
+        for i in range(1, num_blocks(k), 2):
+            row = block(k, i)
+            if row[FREE] > 0.0:
+                for j in range(3):
+                    needed += row[COLUMNS + 6 * j + r] * (row[V + j] - row[ANSWER + j])
+        system[NU_STEP, r] = needed
+    supply, size = (
+        _supply(k, system),
+        norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5]),
+    )
+    if supply >= size * size:
+        _share(k, system, supply)
+
+
+@compiled
+def _supply(k, system):
+    """Σ max(t_i·t, 0) for the torque t in dν."""
+    supply = 0.0
+    for i in range(1, num_blocks(k), 2):
+        row = block(k, i)
+        if row[FREE] > 0.0:
+            supply += max(_along(row, system), 0.0)
+    return supply
+
+
+@compiled
+def _share(k, system, supply):
+    """Give every torque its part of the torque t in dν.
+
+    t_M,i = max(t_i·t, 0) / Σ max(t_j·t, 0) t    (eqs. 22-23)
+    """
+    for i in range(1, num_blocks(k), 2):
+        row = block(k, i)
+        if row[FREE] == 0.0:
             continue
         share = max(_along(row, system), 0.0) / max(supply, TINY)
         for j in range(3):
@@ -84,7 +127,6 @@ def share_torques(k, system):
             for r in range(3, 6):
                 needed += share * system[NU_STEP, r] * row[COLUMNS + 6 * j + r]
             row[ANSWER + j] = row[V + j] - needed
-    return norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5])
 
 
 @compiled

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-10  # asked of Clarabel: feasibility, and gap relative to the applied cost
 ACCEPTED = 1e-5  # gap and residuals up to which an early stop still counts as an answer
+VANISHING = 1e-100  # part of the largest component below which the others' squares would underflow
 GOOD = 1e-10  # gap in parts of J(h) that is not worth more work
 POOR = 1e-4  # the same from which on Clarabel's nearly plausible answer is kept
 UNSEEN = 1e-16  # of the largest part of h_I: what balance may miss without our seeing it
@@ -77,6 +78,8 @@ def _solve_batch(
     wrenches = np.broadcast_to(applied, (*batch, *applied.shape[-2:])).reshape(
         -1, *applied.shape[-2:]
     )
+    largest = np.abs(wrenches).max(axis=(-1, -2), keepdims=True, initial=0.0)
+    wrenches = np.where(np.abs(wrenches) > VANISHING * largest, wrenches, 0.0)
     places = np.broadcast_to(grips, (*batch, *grips.shape[-2:])).reshape(-1, *grips.shape[-2:])
     manipulation, gap = _agreeing(wrenches, grips.shape[-1]), np.zeros(len(wrenches))
     unanswered = np.flatnonzero(np.isnan(manipulation[:, 0, 0]))

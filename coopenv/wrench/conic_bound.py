@@ -155,8 +155,9 @@ def _defect(a: FloatArray, v: FloatArray) -> FloatArray:
     unit = v / np.maximum(length, TINY)[..., None]
     along = (a * unit).sum(axis=-1)
     across = a - along[..., None] * unit
-    opposed = (across * across).sum(axis=-1) / np.maximum(size - along, TINY)
-    return length * np.where(along < 0.0, opposed, size + along)
+    against = along < 0.0
+    opposed = (across * across).sum(axis=-1) / np.where(against, size - along, 1.0)
+    return length * np.where(against, opposed, size + along)
 
 
 def _cost_defect(zeta: FloatArray, v: FloatArray, cost: float) -> FloatArray:

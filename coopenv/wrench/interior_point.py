@@ -21,6 +21,8 @@ LARGE = 10.0  # multiplier of a ball from which on one looks for what cannot mov
 LONG, MORE = 16, 50  # iterations that few samples need, and chunks for which they need one more
 MAX_STEPS = 80
 PATIENCE = 10  # iterations without progress
+GOOD = 1e-9  # gap, relative to J(h), of an answer that need not be better
+WORTH, IDLE = 0.3, 2  # such an answer is made better until one more iteration than this leaves more
 PROMISING = 1e-6  # gap of an iterate that is worth making an answer of
 NEAR = 1e-7  # the same where the steps are likely to go well
 DOUBTFUL = 1e-8  # gap of the answer kept from which on the last iterate is tried as well
@@ -31,30 +33,33 @@ STUCK = 1e-6  # step length that is none
 def solve(k, system, tolerance):
     """Leave the best answer found in the blocks; return the iterations and its gap.
 
-    The gap is relative to J(h); iterating stops once it is within the tolerance.
+    The gap is relative to J(h). Iterating stops once it is within the tolerance, or once it is
+    `GOOD` and hardly falls any more.
     """
     mark_alive(k, system)
     sine = disagreement(k, system)
     shared = np.inf
     if sine < THIN:
         shared = certify(k, system, sine)
-        if shared <= tolerance or sine <= PARALLEL:
+        if shared <= GOOD or sine <= PARALLEL:
             return 0, shared
     start(k, system)
     if sine < THIN:
         start_near(k, system, sine)
     newest, saved, now, multiplier = measure(k, system, 0.0, 0.0)
     bound, best, stalled, step, began, large = np.inf, np.inf, 0, 0, 0, LARGE
-    kept = -np.inf
+    kept, gap, idle = -np.inf, np.inf, 0
     for step in range(MAX_STEPS):
         bound = min(bound, newest)
-        if bound <= tolerance:
+        if bound <= GOOD:
             break
         slow = stalled > 0 or step >= LONG + num_chunks(k) // MORE
         careful = slow or sine < CLOSE
         if step > began and bound - saved <= (PROMISING if careful else NEAR):
             kept = _keep(k, settle(k, system, G, EXCESS), kept)
-            if bound - kept <= tolerance:
+            idle = idle + 1 if bound - kept > WORTH * gap else 0
+            gap = min(gap, bound - kept)
+            if gap <= tolerance or (gap <= GOOD and idle > IDLE):
                 break
         progress = largest_component(system, BALANCE) + now
         stalled = 0 if progress < 0.9 * best else stalled + 1
@@ -65,7 +70,7 @@ def solve(k, system, tolerance):
         if not (primal > STUCK or dual > STUCK):  # also where they are not numbers
             break
         newest, saved, now, multiplier = measure(k, system, primal, dual)
-        if multiplier > large:
+        if multiplier > large and gap > GOOD:
             large = 4.0 * multiplier
             fixed = fix_immovable(k, system, multiplier)
             mark_alive(k, system)

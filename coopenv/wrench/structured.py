@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from coopenv.wrench.settings import Settings
 
 TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
+IN_PLANE = (
+    1e-12  # the same where one iteration more gets there: flat costs turn ε into √ε of answer
+)
 ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
 PARTS = 4  # of a batch for each thread: some take longer than others
@@ -61,7 +64,8 @@ def _solve(
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows = _rows(applied, batch)
     places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
-    manipulation, report = iterate(rows, places, settings)
+    tolerance = IN_PLANE if grips.shape[-1] == 2 else TOLERANCE
+    manipulation, report = iterate(rows, places, settings, tolerance)
     gap, applied_cost = report[:, 0].copy(), report[:, 1]
     fell_back = np.zeros(len(rows), dtype=np.bool_)
     for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
@@ -95,7 +99,8 @@ def iterate(
     settings
         Torque weight and whether induced torque is costed.
     tolerance
-        Gap at which to stop, relative to the applied cost.
+        Gap at which to stop, relative to the applied cost; below `TOLERANCE` only as long as it
+        falls fast.
 
     Returns
     -------

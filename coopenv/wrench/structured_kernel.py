@@ -23,6 +23,7 @@ from coopenv.wrench import (
     progress,
     second_order,
 )
+from coopenv.wrench.agreement import share_needed
 from coopenv.wrench.blocks import WIDTH, chunks_for, fill, write
 from coopenv.wrench.certificate import saving, undercut
 from coopenv.wrench.interior_point import solve
@@ -52,6 +53,7 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
     steps, gap = 0, 0.0
     if cost > 0.0:
         steps, gap = solve(k, system, tolerance)
+        share_needed(k, system)
     write(k, wrench, force, length, manipulation)
     unit = cost * force
     report[0], report[1] = gap * unit, unit
