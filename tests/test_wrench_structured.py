@@ -242,6 +242,35 @@ def test_everything_cancels_where_nothing_is_needed():
     assert d.relative_cost == pytest.approx(1.0, abs=1e-8)
 
 
+@pytest.mark.parametrize("include_induced", [False, True])
+def test_internal_wrenches_of_pairs_are_those_of_the_exact_solver_torques_included(include_induced):
+    # w = 0.4 and levers off ±1 m: forces do not tie, torques do wherever both supply a part
+    applied = np.random.default_rng(21).normal(size=(2000, 2, 3))
+    settings = {"torque_weight": 0.4, "include_induced": include_induced}
+    grips = np.array([[-0.9, 0.0], [0.7, 0.0]])
+    ours, exact = solve(applied, grips, **settings), solve(applied, grips, "pair", **settings)
+    off = np.abs(ours.internal - exact.internal).max(axis=(-1, -2))
+    off /= np.abs(applied).max(axis=(-1, -2))
+    assert np.quantile(off, 0.99) <= 3e-6
+    assert off.max() <= 1e-4
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_torque_that_several_can_supply_is_shared_in_proportion(dimension):
+    rng = np.random.default_rng(22)
+    grips = rng.normal(size=(4, dimension))
+    applied = rng.normal(size=(200, 4, 3 * dimension - 3))
+    d = solve(applied, grips)
+    torque = d.manipulation[..., dimension:]
+    needed = torque.sum(axis=-2, keepdims=True)
+    size = np.linalg.norm(needed, axis=-1, keepdims=True)
+    supply = np.maximum((applied[..., dimension:] * needed / size).sum(-1, keepdims=True), 0.0)
+    enough = (supply.sum(axis=-2) >= (1 + 1e-9) * size[:, 0])[:, 0]
+    assert enough.mean() > 0.3
+    shared = supply / supply.sum(axis=-2, keepdims=True) * needed
+    np.testing.assert_allclose(torque[enough], shared[enough], rtol=0, atol=1e-12)
+
+
 def test_what_cannot_be_certified_is_also_tried_with_conic(monkeypatch):
     rng = np.random.default_rng(15)
     applied, grips = rng.normal(size=(6, 3, 3)), rng.normal(size=(3, 2))
