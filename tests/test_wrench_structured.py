@@ -13,7 +13,6 @@ from coopenv.wrench.settings import Settings
 COUNTS = {n: (10 if n <= 4 else 4 if n <= 8 else 3) for n in range(1, 13)}  # of each family
 FEW = {1: 1, 2: 2, 3: 3, 5: 2, 12: 1}  # 1,512 wrenches in all
 NEARLY = ("nearly agreeing", "within 1e-3")  # where the oracle is the less accurate
-READ = {"nearly agreeing": 2e-7}  # what rounding of the wrench is worth to `structured` there
 SCALES = (1e-6, 1.0, 1e6)
 
 
@@ -51,7 +50,7 @@ def test_structured_and_conic_find_the_same_cost(counts, dimension, include_indu
             assert relative_residuals(oracle).max() <= 1e-8, name
             certified = np.maximum(ours.gap, oracle.gap) / unit
             difference = np.abs(ours.cost - oracle.cost) / unit
-            assert (difference <= certified + 1e-9 + READ.get(name, 0.0)).all(), name
+            assert (difference <= certified + 1e-9).all(), name
             if name not in NEARLY:
                 assert difference.max() <= 1e-8, name
             fell_back.append(ours.fell_back)
@@ -101,7 +100,7 @@ def test_near_agreement_nearly_always_needs_no_help(apart):
         fell_back.append(d.fell_back)
     assert np.concatenate(bound).max() <= 1e-5
     assert (np.concatenate(bound) <= structured.ACCEPTED).mean() >= 0.98
-    assert (np.concatenate(bound) <= 1e-8).mean() >= 0.97
+    assert (np.concatenate(bound) <= 1e-8).mean() >= 0.9  # what rounding is worth is part of it
     assert np.concatenate(fell_back).mean() <= 0.02
 
 

@@ -28,6 +28,7 @@ from coopenv.wrench.blocks import (
 from coopenv.wrench.coupling import (
     NU,
     NU_STEP,
+    largest_component,
     resultant,
     seen,
     solve_system,
@@ -49,11 +50,12 @@ from coopenv.wrench.lanes import (
 )
 from coopenv.wrench.second_order import TINY, Z
 
-EXCESS = 3e-16  # [units of the sample] by which an answer may leave a ball
+EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
-EVENED = 1e-15  # resultant of g from which on it is not corrected any more
+EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not corrected
 BALANCED = 1e-13  # largest resultant of an answer's g
 NOISE = 1e-28  # square of an internal part that may point anywhere
+LAG = 4.0  # by which multipliers may still grow
 SLACK = 5e-13  # what `undercut` takes for ε: more than there is, as the multipliers lag behind
 
 
@@ -137,17 +139,46 @@ def block_saving(b, part):
 
 
 @compiled
-def undercut(system, saved):
-    """Estimate how far below J* an answer's cost may be, as it is balanced only to rounding.
+def undercut(k, system, saved):
+    """Estimate how far below J* an answer's cost may be, as it is right only to rounding.
 
-    A slack ε in torque is worth ε‖ν‖, ν being the multipliers of its balance, which are huge where
-    only a very short lever could compensate a torque. Never more than all that is saved, since
-    J* ≤ J(h).
+    To miss balance by ε is worth ε‖ν‖, ν being its multipliers: those of force are huge where
+    forces nearly agree, those of torque where only a very short lever could compensate one. To
+    leave a ball by ε is worth ε‖ζ‖. Never more than all that is saved, since J* ≤ J(h).
     """
-    square = 0.0
-    for r in range(3, 6):
-        square += system[NU, r] * system[NU, r]
-    return min(max(saved, 0.0), SLACK * sqrt(square))
+    resultant(k, system, ANSWER, NU_STEP)
+    square, worth = 0.0, 0.0
+    for r in range(3):
+        worth += abs(system[NU, r] * system[NU_STEP, r])
+        square += system[NU, r + 3] * system[NU, r + 3]
+    outside = splat(0.0)
+    for i in range(num_chunks(k)):
+        outside += _worth_of_excess(chunk(k, i))
+    return min(max(saved, 0.0), SLACK * sqrt(square) + LAG * (worth + total(outside)))
+
+
+@inlined
+def _worth_of_excess(b):
+    """ε‖ζ‖ of the balls and discs that the candidate leaves by ε, of four blocks."""
+    inner, square = _products(b)
+    ball = _excess(inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER], b[RADIUS])
+    disc = _excess(inner, square, 0.5 * size(b[V + 1]))
+    worth = where(b[CONES] > 1.0, ball * cone_of(b, 1)[Z], 0.0)
+    return worth + where(b[CONES] > 2.0, disc * cone_of(b, 2)[Z], 0.0)
+
+
+@inlined
+def _products(b):
+    """Without the first coordinate: g·v and ‖g‖² of the candidate."""
+    g1, g2 = b[ANSWER + 1], b[ANSWER + 2]
+    return g1 * b[V + 1], g1 * g1 + g2 * g2
+
+
+@inlined
+def _excess(inner, square, radius):
+    """By how much one ball is left, from g·v and ‖g‖²; accurate near 0."""
+    out = larger(square - inner, 0.0)
+    return out / larger(root(out + radius * radius) + radius, TINY)
 
 
 @compiled
@@ -161,13 +192,13 @@ def settle(k, system, part, excess):
         b = chunk(k, i)
         for j in range(3):
             b[ANSWER + j] = b[part + j]
-    missed = resultant(k, system, ANSWER, NU_STEP)
+    missed = _missed(k, system)
     for _ in range(6):
         if missed <= EVENED:
             break
         _balance(k, system)
-        missed = resultant(k, system, ANSWER, NU_STEP)
-    if not missed <= BALANCED:
+        missed = _missed(k, system)
+    if not largest_component(system, NU_STEP) <= BALANCED:
         spread_evenly(k, system)
         if not resultant(k, system, ANSWER, NU_STEP) <= BALANCED:
             return -np.inf
@@ -180,6 +211,28 @@ def settle(k, system, part, excess):
         for j in range(3):
             b[ANSWER + j] *= shrink
     return saving(k, ANSWER)
+
+
+@compiled
+def _missed(k, system):
+    """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
+    resultant(k, system, ANSWER, NU_STEP)
+    force, torque = splat(0.0), splat(0.0)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        own = larger(larger(size(b[ANSWER]), size(b[ANSWER + 1])), size(b[ANSWER + 2]))
+        own = where(b[FREE] > 0.0, own, 0.0)
+        if i & 1:
+            torque = larger(own, torque)
+        else:
+            force = larger(own, force)
+    unit = largest(force)
+    missed = 0.0
+    for r in range(6):
+        if r == 3:
+            unit = max(unit, largest(torque))
+        missed = max(missed, abs(system[NU_STEP, r]) / max(unit, TINY))
+    return missed
 
 
 @compiled
@@ -197,9 +250,9 @@ def _balance(k, system):
 @inlined
 def _room(b, excess):
     """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
-    g0, g1, g2 = b[ANSWER], b[ANSWER + 1], b[ANSWER + 2]
-    inner, square = g1 * b[V + 1], g1 * g1 + g2 * g2
-    room = _room_of(inner + g0 * b[V], square + g0 * g0, b[RADIUS], excess)
+    inner, square = _products(b)
+    whole = square + b[ANSWER] * b[ANSWER]
+    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess)
     in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess)
     return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
 
@@ -207,5 +260,5 @@ def _room(b, excess):
 @inlined
 def _room_of(inner, square, radius, excess):
     """Largest θ ≤ 1 for one ball, from g·v and ‖g‖²."""
-    outside = root(larger(square - inner + radius * radius, 0.0)) - radius > excess
+    outside = _excess(inner, square, radius) > excess
     return where((square > NOISE) & outside, larger(inner, 0.0) / square, 1.0)

@@ -59,7 +59,7 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
     report[0], report[1] = gap * unit, unit
     saved = saving(k, blocks.ANSWER)
     report[2], report[3] = (1.0 - saved) * unit, steps
-    report[4] = unit * undercut(system, saved) if steps > 0 else 0.0
+    report[4] = unit * undercut(k, system, saved) if steps > 0 else 0.0
 
 
 @lanes.in_llvm
