@@ -48,7 +48,7 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
             [_speed(n) for n in SIZES],
         ),
         (
-            "Samples in doubt: bound above 1e-8 of J(h), and answer taken from conic",
+            "Samples in doubt: bound above 1e-7 of J(h), and answer taken from conic",
             ["family", "wrenches", "in doubt", "fell back", "largest bound / J(h)"],
             _doubts(),
         ),

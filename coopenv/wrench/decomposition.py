@@ -189,9 +189,10 @@ class Decomposition:
         """Bound ``(...)`` on how far the cost is from the optimum [N]; 0 for closed forms.
 
         From the dual program, whatever the solver itself believes. ``solver="structured"`` adds an
-        estimate of how far balance to rounding may bring the cost below the optimum: nothing much,
-        but 1e-6 to 1e-5 of J(h) where a lever is very short. ``solver="conic"`` adds one, too; its
-        answers balance and fit their balls to rounding of the internal wrench, not of the applied.
+        estimate of how far rounding may bring the cost below the optimum: nothing much, but 1e-8 to
+        1e-7 of J(h) where forces nearly agree, and 1e-6 to 1e-5 where a lever is very short.
+        ``solver="conic"`` adds one, too; its answers balance and fit their balls to rounding of the
+        internal wrench, not of the applied.
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """

@@ -10,10 +10,11 @@ on its suboptimality from the dual program (`certificate`). A sample whose bound
 
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
 left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds
-to 1e-13. Where the feasible set is thin, rounding of the wrench moves the optimum by the root of
-it, 1e-8 to 1e-7 of the cost, as for wrenches that agree but for rounding. With a very short lever
-the slack in balance becomes slack/lever of force, and the answer may be 1e-6 to 1e-5 of the cost
-cheaper than the optimum; the gap contains an estimate of that (`certificate.undercut`).
+to 1e-13. Where the feasible set is thin, rounding is worth its root: 1e-8 to 1e-7 of the cost where
+forces agree but for 1e-10 to 1e-7, and 1e-6 to 1e-5 where a lever is very short. The answer may be
+cheaper than the optimum by that much; the gap contains an estimate of it (`certificate.undercut`).
+With levers 10⁴ times as long as torque/force and more, two or three effectors in space are often
+not certified, and the gap says so.
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """

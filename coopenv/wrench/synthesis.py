@@ -40,7 +40,8 @@ def synthesize(
       is then 0 (eqs. 9, 25); across f_o it goes with any force share where the line allows.
 
     Where several splits cost the same, the answer is such that `decompose` returns the wanted one.
-    What is searched takes 10 to 100 ms a sample; in vain, including the reason, up to 2 s.
+    What is searched for two or three effectors takes 10 to 100 ms a sample; in vain, including the
+    reason, up to 2 s. More effectors take longer: ten 3 to 4 s in vain.
 
     Parameters
     ----------
