@@ -136,11 +136,15 @@ def test_hopeless_wrenches_fall_back_and_own_up_to_their_gap():
     assert relative_residuals(d).max() <= 1e-8
     assert doubtful.mean() <= 0.2
     oracle = solve(applied, grips, "conic")
-    internal = oracle.internal
-    for i in range(len(applied)):
-        internal[i] *= structured._plausible_part(internal[i], applied[i], grips[i])
-    feasible = wrench.Decomposition(applied, applied - internal, None, oracle._decomposer)
-    assert (d.cost - d.gap <= feasible.cost + 1e-7 * d.applied_cost).all()
+    assert (d.cost - d.gap <= oracle.cost + oracle.gap + 1e-9 * d.applied_cost).all()
+
+
+def test_levers_much_longer_than_torques_are_nearly_always_certified_in_the_end():
+    rng = np.random.default_rng(23)
+    for n in (2, 3):
+        d = solve(rng.normal(size=(200, n, 6)), 1e3 * rng.normal(size=(n, 3)))
+        assert (d.gap <= 1e-7 * d.applied_cost).mean() >= 0.97
+        assert relative_residuals(d).max() <= 1e-8
 
 
 def test_where_forces_agree_torques_are_shared_along_their_sum():
@@ -284,7 +288,7 @@ def test_what_cannot_be_certified_is_also_tried_with_conic(monkeypatch):
     def give_up(*_):
         raise SolverError("no answer")
 
-    monkeypatch.setattr(structured.conic, "prepare", lambda *_: give_up)
+    monkeypatch.setattr(structured.conic, "answers", give_up)
     own = solve(applied, grips)
     assert not own.fell_back.any()
     assert (own.cost - good.cost <= own.gap).all()

@@ -65,15 +65,15 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     settings
         Torque weight and whether induced torque is costed.
     """
-    w = settings.torque_weight
-    weights = Prices(1.0 - w, w, settings.include_induced * w)
-    return partial(_solve_batch, grips, weights)
+    return partial(answers, grips, settings)
 
 
-def _solve_batch(
-    grips: FloatArray, weights: Prices, applied: FloatArray
+def answers(
+    grips: FloatArray, settings: "Settings", applied: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Manipulation wrenches and gaps [N]; samples one after the other."""
+    w = settings.torque_weight
+    weights = Prices(1.0 - w, w, settings.include_induced * w)
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     wrenches = np.broadcast_to(applied, (*batch, *applied.shape[-2:])).reshape(
         -1, *applied.shape[-2:]

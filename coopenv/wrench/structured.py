@@ -6,15 +6,15 @@ balance of force and torque, so every Newton step comes down to one system of 6 
 which is the most common state of a good team, the feasible set has no interior and the answer is
 written down instead. Every answer is balanced and inside every ball to rounding and carries a bound
 on its suboptimality from the dual program (`certificate`). A sample whose bound is worse than
-`ACCEPTED` is also given to `conic`, and the better answer is kept; the bound stays our own.
+`ACCEPTED` is also given to `conic`, and the answer with the better bound is kept.
 
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
 left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds
 to 1e-13. Where the feasible set is thin, rounding is worth its root: 1e-8 to 1e-7 of the cost where
 forces agree but for 1e-10 to 1e-7, and 1e-6 to 1e-5 where a lever is very short. The answer may be
 cheaper than the optimum by that much; the gap contains an estimate of it (`certificate.undercut`).
-With levers 10⁴ times as long as torque/force and more, two or three effectors in space are often
-not certified, and the gap says so.
+With levers 10⁵ times as long as torque/force and more, some pairs and trios in space are certified
+by neither solver, and the gap says so.
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """
@@ -29,7 +29,6 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import SolverError
 from coopenv.wrench import conic
-from coopenv.wrench.grasp import moment
 from coopenv.wrench.structured_kernel import solve_batch
 
 if TYPE_CHECKING:
@@ -67,15 +66,15 @@ def _solve(
     places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
     tolerance = IN_PLANE if grips.shape[-1] == 2 else TOLERANCE
     manipulation, report = iterate(rows, places, settings, tolerance)
-    gap, applied_cost = report[:, 0].copy(), report[:, 1]
+    gap, applied_cost, undercut = report[:, 0], report[:, 1], report[:, 4]
     fell_back = np.zeros(len(rows), dtype=np.bool_)
     for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
         place = places[index if len(places) > 1 else 0]
-        answer = _fall_back(rows[index], place, settings, report[index])
+        answer = _fall_back(rows[index], place, settings, gap[index])
         if answer is not None:
             manipulation[index], gap[index] = answer
-            fell_back[index] = True
-    gap += report[:, 4]  # afterwards, as `conic` has no remedy against it
+            fell_back[index], undercut[index] = True, 0.0  # `conic` has counted its own
+    gap = gap + undercut
     shape = (*batch, *applied.shape[-2:])
     return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
 
@@ -131,44 +130,11 @@ def iterate(
 
 
 def _fall_back(
-    applied: FloatArray, grips: FloatArray, settings: "Settings", report: FloatArray
+    applied: FloatArray, grips: FloatArray, settings: "Settings", gap: float
 ) -> tuple[FloatArray, float] | None:
-    """Answer of `conic` drawn back into the balls, and its gap; None where it is no better.
-
-    The bound is the interior-point method's own: J* ≥ J − gap.
-    """
+    """Answer of `conic` and its own bound; None where that is not below ``gap``."""
     try:
-        answer = conic.prepare(grips, settings)(applied)[0]
+        answer, bound = conic.answers(grips, settings, applied)
     except SolverError:
         return None
-    internal = applied - answer
-    answer = applied - _plausible_part(internal, applied, grips) * internal
-    cost = _cost(answer, grips, settings)
-    gap, _, own_cost, *_ = report
-    return (answer, float(cost - own_cost + gap)) if cost < own_cost else None
-
-
-def _cost(wrench: FloatArray, grips: FloatArray, settings: "Settings") -> float:
-    """J(h) of one sample (eq. 17)."""
-    dimension, w = grips.shape[-1], settings.torque_weight
-    force, torque, induced = (
-        np.linalg.norm(part, axis=-1).sum()
-        for part in (wrench[:, :dimension], wrench[:, dimension:], moment(grips, wrench))
-    )
-    return float((1.0 - w) * force + w * torque + settings.include_induced * w * induced)
-
-
-def _plausible_part(internal: FloatArray, applied: FloatArray, grips: FloatArray) -> float:
-    """Largest factor up to 1 that brings an internal wrench into every ball, ‖x_I‖² ≤ xᵀx_I."""
-    dimension = grips.shape[-1]
-    part = 1.0
-    for inner, whole in (
-        (internal[:, :dimension], applied[:, :dimension]),
-        (internal[:, dimension:], applied[:, dimension:]),
-        (moment(grips, internal), moment(grips, applied)),
-    ):
-        square, product = (inner**2).sum(axis=-1), (inner * whole).sum(axis=-1)
-        outside = square > product + 1e-15 * (whole**2).sum(axis=-1).max()
-        limits = np.maximum(product[outside], 0.0) / square[outside]
-        part = min(part, float(limits.min(initial=1.0)))
-    return part
+    return (answer, float(bound)) if bound < gap else None
