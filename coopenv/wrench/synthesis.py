@@ -34,10 +34,11 @@ def synthesize(
       across it are searched. Of the shares that random wrenches free of internal wrench have, the
       search misses none for planar pairs (900 tried) and 1 in 900 for three effectors.
     - With it, two planar effectors: on a line through the centre of mass every wish that some
-      wrench fulfils; elsewhere, of wishes that random wrenches fulfil, none of 1,056 with both
-      shares and 1 of 528 with open ones is refused, and all but one of the rest come back to 1e-6
-      of the wrench. Internal force along f_o needs an effector that pulls against f_o, whose share
-      is then 0 (eqs. 9, 25); across f_o it goes with any force share where the line allows.
+      wrench fulfils; elsewhere, of wishes that random wrenches fulfil, 1 of 1,408 with both shares
+      and 1 of 528 with open ones is refused, and nearly all others come back to 1e-6 of the wrench,
+      where the optimum is flat to 3e-6. Internal force along f_o needs an effector that pulls
+      against f_o, whose share is then 0 (eqs. 9, 25); across f_o it goes with any force share
+      where the line allows.
 
     Where several splits cost the same, the answer is such that `decompose` returns the wanted one.
     What is searched for two or three effectors takes 10 to 100 ms a sample; in vain, including the
