@@ -10,6 +10,9 @@ COMPILED: dict[str, Any] = {"error_model": "numpy", "cache": True}
 """Options of the helpers that kernels call, ``@njit(**COMPILED)``: dividing by zero is no error."""
 
 
+TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
+
+
 def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:
     """Compile a float64 kernel to a NumPy gufunc that broadcasts over any batch shape.
 

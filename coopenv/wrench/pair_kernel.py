@@ -5,13 +5,13 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.kernels import COMPILED, gufunc
+from coopenv.wrench.bracketed_root import root_of
+from coopenv.wrench.kernels import COMPILED, TINY, gufunc
 
 TIE = 1e-12  # relative surcharge on pure torque: among equal costs the smallest Σ‖t_M‖ wins
-TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 LEVEL = 1e-14  # a derivative across the lens this small is rounding
+FINE = 1e-17  # by how much a force may be off, where its lever is not longer than 1
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
-MAX_STEPS = 100  # of the root finder; it needs about 8
 
 
 @njit(**COMPILED)
@@ -113,12 +113,13 @@ def _direction(x, y, tangent_x, tangent_y, sign):
 
 
 @njit(**COMPILED)
-def _slope(v, forces, weights, piece):
+def _slope(v, case):
     """Derivative of the cost along the path (best u(v), v), of the sign of d cost / d v.
 
     Where the path runs along an arc it is taken per unit of arc length, which keeps it finite
     where the arc is level.
     """
+    forces, weights, piece = case
     f1x, f1y, f2x, f2y = forces
     force_weight, induced1, induced2, torque_weight = weights
     low_is_1, high_is_1, sign1, sign2, sign_torque = piece
@@ -138,33 +139,7 @@ def _slope(v, forces, weights, piece):
     return force_weight * (sign2 - sign1) * steepness + climb
 
 
-@njit(**COMPILED)
-def _root(a, slope_a, b, slope_b, forces, weights, piece):
-    """Zero of the slope between a and b (slope_a < 0 < slope_b), by Chandrupatla's method."""
-    c, slope_c = a, slope_a
-    best, step = a, 0.5
-    for _ in range(MAX_STEPS):
-        x = a + step * (b - a)
-        slope = _slope(x, forces, weights, piece)
-        if (slope > 0.0) == (slope_a > 0.0):
-            c, slope_c = a, slope_a
-        else:
-            c, slope_c, b, slope_b = b, slope_b, a, slope_a
-        a, slope_a = x, slope
-        best = a if abs(slope_a) < abs(slope_b) else b
-        tolerance = (2e-16 * abs(best) + 1e-17) / max(abs(b - a), TINY)
-        if tolerance > 0.5 or slope == 0.0:
-            return best
-        xi = (a - b) / (c - b)
-        phi = (slope_a - slope_b) / (slope_c - slope_b)
-        step = 0.5
-        curved = slope_c - slope_a
-        curved = curved if curved != 0.0 else 1.0
-        if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
-            step = slope_a / (slope_b - slope_a) * slope_c / (slope_b - slope_c)
-            step += (c - a) / (b - a) * slope_a / curved * slope_b / (slope_c - slope_b)
-        step = min(max(step, tolerance), 1.0 - tolerance)
-    return best
+_root = root_of(_slope)
 
 
 @njit(**COMPILED)
@@ -212,13 +187,14 @@ def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, 
         left, right = edges[k], edges[k + 1]
         if right <= left:
             continue
-        piece = _piece(forces, applied_torque, lever, 0.5 * (left + right))
-        slope_left = _slope(left, forces, weights, piece)
+        case = forces, weights, _piece(forces, applied_torque, lever, 0.5 * (left + right))
+        slope_left = _slope(left, case)
         if slope_left >= 0.0:
             return left
-        slope_right = _slope(right, forces, weights, piece)
+        slope_right = _slope(right, case)
         if slope_right > 0.0:
-            return _root(left, slope_left, right, slope_right, forces, weights, piece)
+            resolution = FINE / (1.0 + abs(lever))
+            return _root(left, slope_left, right, slope_right, case, resolution)
     return high
 
 

@@ -8,6 +8,9 @@ written down instead. Every answer is balanced and inside every ball to rounding
 on its suboptimality from the dual program (`certificate`). A sample whose bound is worse than
 `ACCEPTED` is also given to `conic`, and the answer with the better bound is kept.
 
+Two effectors in the plane leave one unknown. Off the axis it is closed in on to the last digit
+(`pair_off_axis`); the bound is what rounding may be worth.
+
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest are
 left as applied, a force within 1e-11 of its lever's direction counts as along it, and balance holds
 to 1e-13. Where the feasible set is thin, rounding is worth its root: 1e-8 to 1e-7 of the cost where
@@ -20,6 +23,7 @@ Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are ou
 """
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING
@@ -28,12 +32,15 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import SolverError
-from coopenv.wrench import conic
+from coopenv.wrench import conic, measures, pair_off_axis
+from coopenv.wrench.measure_kernels import level_kernel
 from coopenv.wrench.structured_kernel import solve_batch
 
 if TYPE_CHECKING:
     from coopenv.wrench.methods import Solve
     from coopenv.wrench.settings import Settings
+
+Answers = tuple[FloatArray, FloatArray, BoolArray]  # manipulation wrenches, gaps [N], fell back
 
 TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
 IN_PLANE = (
@@ -57,26 +64,56 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     return partial(_solve, grips, settings)
 
 
-def _solve(
-    grips: FloatArray, settings: "Settings", applied: FloatArray
-) -> tuple[FloatArray, FloatArray, BoolArray]:
+def _solve(grips: FloatArray, settings: "Settings", applied: FloatArray) -> Answers:
     """Manipulation wrenches, gaps [N], and where the answer is `conic`'s."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows = _rows(applied, batch)
     places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
+    manipulation, gap, fell_back = (
+        np.empty_like(rows),
+        np.zeros(len(rows)),
+        np.zeros(len(rows), dtype=np.bool_),
+    )
+    general = np.broadcast_to(~pair_off_axis.applies(places), len(rows))
+    for chosen, solve in ((general, _solve_any), (~general, _solve_pairs)):
+        if chosen.all():
+            manipulation, gap, fell_back = solve(rows, places, settings)
+        elif chosen.any():
+            part = solve(rows[chosen], places[chosen], settings)
+            manipulation[chosen], gap[chosen], fell_back[chosen] = part
+    shape = (*batch, *applied.shape[-2:])
+    return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
+
+
+def _solve_pairs(applied: FloatArray, grips: FloatArray, settings: "Settings") -> Answers:
+    """Solve for two planar effectors off the axis; the gap is what rounding may be worth."""
+    manipulation = np.empty_like(applied)
+    axis = pair_off_axis.frame(grips)
+    weights = np.array([settings.torque_weight, float(settings.include_induced)])
+
+    def solve(part: slice) -> None:
+        place = axis[part] if len(axis) > 1 else axis
+        pair_off_axis.decompose_off_axis(applied[part], place, weights, manipulation[part])
+
+    _on_all_cores(solve, len(applied), 2)
+    parameters = measures.level_parameters(*weights, plausible=True)
+    applied_cost = level_kernel(applied, manipulation, grips, parameters)[..., 1]
+    gap = pair_off_axis.rounding(axis) * applied_cost
+    return manipulation, gap, np.zeros(len(applied), dtype=np.bool_)
+
+
+def _solve_any(applied: FloatArray, grips: FloatArray, settings: "Settings") -> Answers:
     tolerance = IN_PLANE if grips.shape[-1] == 2 else TOLERANCE
-    manipulation, report = iterate(rows, places, settings, tolerance)
+    manipulation, report = iterate(applied, grips, settings, tolerance)
     gap, applied_cost, undercut = report[:, 0], report[:, 1], report[:, 4]
-    fell_back = np.zeros(len(rows), dtype=np.bool_)
+    fell_back = np.zeros(len(applied), dtype=np.bool_)
     for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
-        place = places[index if len(places) > 1 else 0]
-        answer = _fall_back(rows[index], place, settings, gap[index])
+        place = grips[index if len(grips) > 1 else 0]
+        answer = _fall_back(applied[index], place, settings, gap[index])
         if answer is not None:
             manipulation[index], gap[index] = answer
             fell_back[index], undercut[index] = True, 0.0  # `conic` has counted its own
-    gap = gap + undercut
-    shape = (*batch, *applied.shape[-2:])
-    return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
+    return manipulation, gap + undercut, fell_back
 
 
 def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
@@ -118,15 +155,19 @@ def iterate(
             applied[part], place, weight, induced, tolerance, manipulation[part], report[part]
         )
 
+    _on_all_cores(solve, *applied.shape[:2])
+    return manipulation, report
+
+
+def _on_all_cores(solve: Callable[[slice], None], num_samples: int, num_effectors: int) -> None:
+    """Solve all samples, by parts where threads pay."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    workers = min(cores or 1, applied.shape[0], applied[..., 0].size // WORTH_A_THREAD + 1)
+    workers = min(cores or 1, num_samples, num_samples * num_effectors // WORTH_A_THREAD + 1)
     if workers < 2:
-        solve(slice(None))
-        return manipulation, report
-    edges = np.linspace(0, len(applied), PARTS * workers + 1).astype(int)
+        return solve(slice(None))
+    edges = np.linspace(0, num_samples, PARTS * workers + 1).astype(int)
     with ThreadPoolExecutor(workers) as pool:
         list(pool.map(solve, map(slice, edges[:-1], edges[1:])))
-    return manipulation, report
 
 
 def _fall_back(
