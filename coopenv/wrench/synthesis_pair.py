@@ -18,6 +18,7 @@ from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench.measure_kernels import load_share_kernel
 from coopenv.wrench.pair import _axis
 from coopenv.wrench.pair_kernel import decompose_pair
+from coopenv.wrench.polynomials import product, real_roots
 
 NUM_PATHS = 6
 ALLOWED = 1e-9  # by how much a candidate may miss plausibility or shares before it is decomposed
@@ -226,30 +227,11 @@ def _levels_on_ball(path: int, price: FloatArray, wish: Wish) -> list[FloatArray
     for sign in (1.0, -1.0):
         constant = sign * (1.0 - w) * size + price * size * across[:, 1]
         linear = np.stack([-price * along[:, 1], constant], axis=-1)
-        polynomial = -_product(square, _product(linear, linear))
-        polynomial[:, 2:] += _product(top, top)
-        roots = _real_roots(polynomial) * across[:, 1:]
+        polynomial = -product(square, product(linear, linear))
+        polynomial[:, 2:] += product(top, top)
+        roots = real_roots(polynomial) * across[:, 1:]
         found += list((roots if path == 1 else wish.force[:, 1:] - roots).T)
     return found
-
-
-def _product(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Product of polynomials ``(batch, degree + 1)``, highest power first."""
-    result = np.zeros((len(first), first.shape[1] + second.shape[1] - 1))
-    for k in range(first.shape[1]):
-        result[:, k : k + second.shape[1]] += first[:, k : k + 1] * second
-    return result
-
-
-def _real_roots(polynomial: FloatArray) -> FloatArray:
-    """Real parts of all roots ``(batch, 4)``; of a nearly double root both parts are close."""
-    monic = polynomial[:, 1:] / polynomial[:, :1]
-    usable = np.asarray(np.isfinite(monic).all(axis=-1))
-    companion = np.zeros((len(monic), 4, 4))
-    companion[:, 1:, :3] = np.eye(3)
-    companion[:, 0] = np.where(usable[:, None], -monic, 0.0)
-    roots = np.linalg.eigvals(companion).real
-    return np.where(usable[:, None], roots, np.nan)
 
 
 def _is_plausible(manipulation: FloatArray, internal: FloatArray, wish: Wish) -> BoolArray:

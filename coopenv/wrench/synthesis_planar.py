@@ -1,103 +1,148 @@
-"""A wish of two planar effectors in its own units: what is plausible and has the wanted shares.
+"""Wishes of two planar effectors off the axis, in their own units, and what fulfils them.
 
-The x axis is laid along the line through the grips. F is the wanted resultant force, g the wanted
-internal force on effector 1, p the manipulation force of effector 1 and F − p that of effector 2;
-T(p) is the torque that is left to pure torques.
+The x axis is laid along D = r_1 − r_2. F is the wanted resultant force, g the wanted internal force
+on effector 1, p the manipulation force of effector 1 and F − p that of effector 2; T(p) is the
+torque that is left to pure torques. Candidates for p come from `synthesis_points`. At each, the
+pure torques are known: an effector that keeps torque of T's sign supplies T, two supply it in
+proportion to what they keep (eq. 23), and only where none keeps any does the torque share say.
+What keeps plausibility and shares is decomposed, and what comes back as wanted is an answer.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.wrench import synthesis_points
 from coopenv.wrench.measure_kernels import load_share_kernel
+from coopenv.wrench.pair_off_axis import decompose_off_axis, frame
+from coopenv.wrench.synthesis_points import PlanarWish, cross, keeping, torque_left
 
-PLAUSIBLE = 1e-4  # by how much a candidate may miss plausibility: wishes are rounded
-SHARED = 1e-7  # by how much a candidate may miss a share
+if TYPE_CHECKING:
+    from coopenv.wrench.synthesis_search import Wish
 
-
-class Wish(NamedTuple):
-    """One wish in its own units, D along x: no force, no lever is much longer than 1."""
-
-    force: FloatArray  # F (2,)
-    torque: float  # t_o
-    internal: FloatArray  # g (2,)
-    internal_torque: FloatArray  # t_I (2,)
-    force_share: float  # of effector 1, NaN where open
-    torque_share: float
-    grips: FloatArray  # (2, 2)
-    costs: tuple[float, float, float]  # of force, torque, induced torque
+ALLOWED = 1e-7  # by how much a candidate may miss plausibility or shares before it is decomposed
+FOUND = 1e-7  # by how much its decomposition may miss what is wanted, relative to the wrench
+AT_ONCE = 64  # wishes whose candidates are in memory at the same time
 
 
-def torque_left(wish: Wish, point: FloatArray) -> FloatArray:
-    """T, what is left to pure torques."""
-    own = wish.torque - float(cross(wish.grips[1], wish.force))
-    return own - cross(wish.grips[0] - wish.grips[1], point)
+def find(wish: "Wish") -> FloatArray:
+    """Smallest wrenches ``(batch, 2, 3)`` found that decompose as wanted; NaN where none is."""
+    answer = np.full(wish.internal.shape, np.nan)
+    for start in range(0, len(answer), AT_ONCE):
+        rows = np.arange(start, min(start + AT_ONCE, len(answer)))
+        answer[rows] = _find(wish.rows(rows))
+    return answer
 
 
-def torque_share_misses(wish: Wish, point: FloatArray) -> list[FloatArray]:
-    """What effector 1's torque at the centre misses of its share, with each part of T."""
-    induced = cross(wish.grips[0], point + wish.internal) + wish.internal_torque[0]
-    asked = np.nan_to_num(wish.torque_share) * wish.torque
-    return [induced + part * torque_left(wish, point) - asked for part in parts(wish)]
+def _find(wish: "Wish") -> FloatArray:
+    axis = frame(wish.grips)
+    units = _units(wish)
+    wanted = _in_frame(wish, axis, units)
+    with np.errstate(all="ignore"):  # a candidate that does not exist is NaN or infinite
+        manipulation = _candidates(wanted, synthesis_points.points(wanted))
+        good = _is_plausible(wanted, manipulation)
+        sample, number = np.nonzero(good)
+        tried = _turned_back(manipulation[sample, number], axis[sample]) * units[sample, None]
+    tried = tried + wish.internal[sample]
+    miss = _share_miss(tried, wish, sample)
+    shared = miss <= FOUND
+    miss[shared] = _internal_miss(tried[shared], axis, wish, sample[shared])
+    size = np.where(miss <= FOUND, np.abs(tried).max(axis=(-1, -2)), np.inf)
+    cost = np.full(good.shape, np.inf)
+    cost[sample, number] = size
+    place = np.zeros(good.shape, dtype=np.int64)
+    place[sample, number] = np.arange(len(sample))
+    rows, best = np.arange(len(good)), cost.argmin(axis=-1)
+    found = np.isfinite(cost[rows, best])
+    answer = np.full(wish.internal.shape, np.nan)
+    answer[found] = tried[place[rows, best][found]]
+    return answer
 
 
-def parts(wish: Wish) -> tuple[float, ...]:
-    """Parts of T that effector 1 may supply: all, none, in proportion to what is internal."""
-    own, other = wish.internal_torque
-    return 0.0, 1.0, own / (own + other) if own * other > 0.0 else 0.5
+def _share_miss(applied: FloatArray, wish: "Wish", sample: IntArray) -> FloatArray:
+    miss = np.zeros(len(applied))
+    shares = load_share_kernel(applied, wish.grips[sample])
+    for reached, wanted in zip(shares, (wish.force_share, wish.torque_share), strict=True):
+        off = np.where(np.isnan(wanted[sample]), 0.0, np.abs(reached - wanted[sample]))
+        miss = np.maximum(miss, np.where(np.isnan(off), np.inf, off).max(axis=-1))
+    return miss
 
 
-def shared_torque(wish: Wish, point: FloatArray) -> FloatArray:
-    """What effector 1's pure torque must be for the torque share."""
-    asked = wish.torque_share * wish.torque - wish.internal_torque[0]
-    return asked - cross(wish.grips[0], point + wish.internal)
+def _internal_miss(
+    applied: FloatArray, axis: FloatArray, wish: "Wish", sample: IntArray
+) -> FloatArray:
+    """By how much what is decomposed misses what is wanted, relative to what is applied."""
+    weights = np.array([wish.settings.torque_weight, float(wish.settings.include_induced)])
+    internal = applied - decompose_off_axis(applied, axis[sample], weights)
+    size = np.maximum(np.abs(applied).max(axis=(-1, -2)), 1e-300)
+    return np.abs(internal - wish.internal[sample]).max(axis=(-1, -2)) / size
 
 
-def with_torques(wish: Wish, point: FloatArray, splits: list[FloatArray]) -> FloatArray:
-    """Manipulation wrenches ``(..., split, 2, 3)`` from forces p and pure torques of effector 1."""
-    own = np.stack(splits, axis=-1)
+def _units(wish: "Wish") -> FloatArray:
+    """Of forces and torques ``(batch, 3)``, such that nothing wanted is larger than 1."""
+    length = np.hypot(wish.grips[..., 0], wish.grips[..., 1]).max(axis=-1)
+    units = np.stack([np.ones_like(length), np.ones_like(length), length], axis=-1)
+    largest = np.abs(wish.internal / units[:, None]).max(axis=(-1, -2))
+    largest = np.maximum(largest, np.abs(wish.object_wrench / units).max(axis=-1))
+    return units * np.where(largest > 0.0, largest, 1.0)[:, None]
+
+
+def _in_frame(wish: "Wish", axis: FloatArray, units: FloatArray) -> PlanarWish:
+    length = units[:, 2] / units[:, 0]
+    wanted, internal = wish.object_wrench / units, wish.internal / units[:, None]
+    weight = wish.settings.torque_weight
+    return PlanarWish(
+        _turned(wanted[:, :2], axis),
+        wanted[:, 2],
+        _turned(internal[:, 0, :2], axis),
+        internal[..., 2],
+        wish.force_share[:, 0],
+        wish.torque_share[:, 0],
+        _turned(wish.grips, axis[:, None]) / length[:, None, None],
+        weight * length / (1.0 - weight),
+        wish.settings.include_induced,
+    )
+
+
+def _turned(vectors: FloatArray, axis: FloatArray) -> FloatArray:
+    c, s = axis[..., 0], axis[..., 1]
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x + s * y, c * y - s * x], axis=-1)
+
+
+def _turned_back(applied: FloatArray, axis: FloatArray) -> FloatArray:
+    c, s = axis[:, :1], axis[:, 1:2]
+    x, y = applied[..., 0], applied[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y, applied[..., 2]], axis=-1)
+
+
+def _candidates(wish: PlanarWish, point: FloatArray) -> FloatArray:
+    """Manipulation wrenches ``(batch, m, 2, 3)`` of forces p, with every way to supply T."""
+    left = torque_left(wish, point)
+    own = np.stack([part[:, None] * left for part in keeping(wish)], axis=-1)
+    asked = wish.torque_share * wish.torque - wish.internal_torque[:, 0]
+    shared = asked[:, None] - cross(wish.grips[:, None, 0], point + wish.internal[:, None])
+    own = np.concatenate([own, 0.5 * left[..., None], shared[..., None]], axis=-1)
     manipulation = np.empty((*own.shape, 2, 3))
     manipulation[..., 0, :2] = point[..., None, :]
-    manipulation[..., 1, :2] = wish.force - point[..., None, :]
+    manipulation[..., 1, :2] = (wish.force[:, None] - point)[..., None, :]
     manipulation[..., 0, 2] = own
-    manipulation[..., 1, 2] = torque_left(wish, point)[..., None] - own
-    return manipulation
+    manipulation[..., 1, 2] = left[..., None] - own
+    return manipulation.reshape(len(point), -1, 2, 3)
 
 
-def is_sensible(wish: Wish, manipulation: FloatArray) -> BoolArray:
-    """Whether manipulation wrenches ``(m, 2, 3)`` are plausible and have the wanted shares."""
-    return _is_plausible(wish, manipulation) & _has_shares(wish, manipulation)
-
-
-def _is_plausible(wish: Wish, manipulation: FloatArray) -> BoolArray:
+def _is_plausible(wish: PlanarWish, manipulation: FloatArray) -> BoolArray:
     """Whether nothing internal exceeds what is applied (eqs. 9-11), and no pure torques cancel."""
     good = np.isfinite(manipulation).all(axis=(-1, -2))
     left = manipulation[..., 2].sum(axis=-1)
+    size = 1.0 + np.abs(manipulation).max(axis=(-1, -2))
     for k, internal in enumerate((wish.internal, -wish.internal)):
-        force, torque, grip = manipulation[:, k, :2], manipulation[:, k, 2], wish.grips[k]
-        good &= force @ internal >= -PLAUSIBLE
-        good &= cross(grip, force) * cross(grip, internal) >= -PLAUSIBLE
-        good &= torque * wish.internal_torque[k] >= -PLAUSIBLE
-        good &= torque * left >= -PLAUSIBLE
+        force, torque = manipulation[..., k, :2], manipulation[..., k, 2]
+        grip = wish.grips[:, None, k]
+        good &= (force * internal[:, None]).sum(axis=-1) >= -ALLOWED * size
+        induced = cross(grip, force) * cross(grip, internal[:, None])
+        good &= induced >= -ALLOWED * size
+        good &= torque * wish.internal_torque[:, None, k] >= -ALLOWED * size
+        good &= torque * left >= -ALLOWED * size
     return np.asarray(good)
-
-
-def _has_shares(wish: Wish, manipulation: FloatArray) -> BoolArray:
-    internal = np.column_stack([[wish.internal, -wish.internal], wish.internal_torque])
-    applied = np.where(np.isfinite(manipulation), manipulation + internal, 0.0)
-    good = np.ones(len(applied), dtype=np.bool_)
-    shares = load_share_kernel(applied, wish.grips)
-    for share, wanted in zip(shares, (wish.force_share, wish.torque_share), strict=True):
-        good &= bool(np.isnan(wanted)) | (np.abs(share[:, 0] - wanted) <= SHARED)
-    return good
-
-
-def turned(vector: FloatArray) -> FloatArray:
-    """By a right angle."""
-    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
-
-
-def cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return one × other, the component across the plane."""
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]

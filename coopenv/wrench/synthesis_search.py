@@ -14,10 +14,9 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench import (
     pair,
-    synthesis_curves,
     synthesis_pair,
+    synthesis_planar,
     synthesis_shares,
-    synthesis_ties,
     synthesis_twist,
 )
 from coopenv.wrench.decomposition import Decomposer, Decomposition
@@ -69,6 +68,9 @@ def find(wish: Wish) -> tuple[FloatArray, int | None]:
     rows = np.flatnonzero(missing & on_axis)
     if len(rows):
         applied[rows] = _as_pair(wish.rows(rows))
+    rows = np.flatnonzero(missing & ~on_axis & wish.internal.any(axis=(-1, -2)))
+    if len(rows):
+        applied[rows] = synthesis_planar.find(wish.rows(rows))
     rows = np.flatnonzero(missing & ~on_axis & ~wish.internal.any(axis=(-1, -2)))
     for number in range(len(ROUNDS) - 1):
         applied[rows] = _from_twists(wish.rows(rows), number)
@@ -83,10 +85,12 @@ def find(wish: Wish) -> tuple[FloatArray, int | None]:
 
 def _last_resort(wish: Wish) -> FloatArray:
     """What takes longer, for one sample."""
-    found = _on_curves(wish)
-    if _missing(found)[0] and not wish.internal.any():
-        found = _from_twists(wish, len(ROUNDS) - 1)
-    return found
+    if wish.internal.any():
+        return np.full(wish.internal.shape, np.nan)
+    found = np.full(wish.internal.shape, np.nan)
+    if wish.grips.shape[1:] == (2, 2):
+        found = synthesis_planar.find(wish)
+    return _from_twists(wish, len(ROUNDS) - 1) if _missing(found)[0] else found
 
 
 def _missing(applied: FloatArray) -> BoolArray:
@@ -144,40 +148,6 @@ def _smallest(found: FloatArray, wish: Wish) -> FloatArray:
         answer[rows[good]] = tried[good]
         size[rows, best] = np.inf
         rows = rows[~good]
-    return answer
-
-
-def _on_curves(wish: Wish) -> FloatArray:
-    """Smallest wrench ``(1, 2, 3)`` among the candidates for two planar effectors, of one wish."""
-    answer = np.full(wish.internal.shape, np.nan)
-    if wish.grips.shape[1:] != (2, 2):
-        return answer
-    one = synthesis_ties.OneWish(
-        wish.object_wrench[0],
-        wish.grips[0],
-        wish.internal[0],
-        wish.force_share[0, 0],
-        wish.torque_share[0, 0],
-        wish.settings,
-    )
-    tried = one.applied(synthesis_curves.candidates(one.in_frame))
-    tried = tried[np.abs(tried).max(axis=(-1, -2)).argsort()]
-    least = ROUGH
-    for start in range(0, len(tried), TRIED):
-        chunk = tried[start : start + TRIED]
-        miss, as_cheap = _miss(chunk, wish.rows(np.zeros(len(chunk), dtype=np.int64)))
-        good = np.flatnonzero(miss <= FOUND)
-        if len(good):
-            return chunk[good[:1]]
-        rough = np.where(as_cheap, miss, np.inf)
-        if rough.min() < least:
-            least, answer = rough.min(), chunk[rough.argmin()][None]
-    tied = synthesis_ties.find(one, tried)
-    if len(tied):
-        miss, as_cheap = _miss(tied, wish.rows(np.zeros(len(tied), dtype=np.int64)))
-        miss[~as_cheap] = np.inf
-        if miss.min() < least:
-            return tied[miss.argmin()][None]
     return answer
 
 

@@ -27,21 +27,35 @@ def round_trips(applied, grips, given=(True, True), **cost):
     return miss(found, grips, d.object_wrench, d.internal, force, torque, **cost)
 
 
+OPEN = [(True, True), (True, False), (False, True), (False, False)]  # which shares are given
+
+
+@pytest.mark.parametrize("given", OPEN)
 @pytest.mark.parametrize("induced", [False, True])
-@pytest.mark.parametrize("name", list(pair_families(np.random.default_rng(0), 1)))
-def test_reachable_wishes_of_a_pair_off_the_axis_come_back(name, induced):
-    applied = pair_families(np.random.default_rng(5), 8)[name]
-    off = round_trips(applied, GRIPS, torque_weight=0.4, include_induced=induced)
-    assert (off <= 1e-6).sum() >= 7  # a flat optimum is found to a little more, by processor
-    assert off.max() <= 1e-5
+def test_reachable_wishes_of_a_pair_off_the_axis_come_back(induced, given):
+    rng = np.random.default_rng(5)
+    for name, applied in pair_families(rng, 25).items():
+        cost = {"torque_weight": rng.choice([0.05, 0.4, 0.5, 0.95]), "include_induced": induced}
+        off = round_trips(applied, rng.normal(size=(2, 2)), given, **cost)
+        assert off.max() <= 1e-6, name
 
 
-@pytest.mark.parametrize("given", [(True, False), (False, True), (False, False)])
-def test_shares_may_be_left_open_off_the_axis(given):
-    applied = np.random.default_rng(6).normal(size=(20, 2, 3))
-    off = round_trips(applied, GRIPS, given)
-    assert (off <= 1e-6).sum() >= 19
-    assert off.max() <= 1e-5
+@pytest.mark.slow
+@pytest.mark.parametrize("given", OPEN)
+@pytest.mark.parametrize("induced", [False, True])
+def test_reachable_wishes_come_back_whatever_the_grips(induced, given):
+    rng = np.random.default_rng(6)
+    for weight in (0.05, 0.4, 0.5, 0.95):
+        for name, applied in pair_families(rng, 60).items():
+            grips = rng.normal(size=(len(applied), 2, 2))
+            cost = {"torque_weight": weight, "include_induced": induced}
+            assert round_trips(applied, grips, given, **cost).max() <= 1e-6, name
+
+
+@pytest.mark.parametrize("length", [1e-6, 1e-3, 1e3, 1e6])
+def test_wishes_come_back_at_any_scale(length):
+    applied = np.random.default_rng(7).normal(size=(40, 2, 3)) * [1.0, 1.0, length] / length
+    assert round_trips(applied, length * GRIPS).max() <= 1e-6
 
 
 def test_a_squeeze_along_a_lever_comes_back():
@@ -67,9 +81,7 @@ def test_torques_are_such_that_the_solver_splits_them_as_wanted():
     kept, supplied = np.abs(d.internal[..., 2]), np.abs(d.manipulation[..., 2])
     split = applied[((kept > 1e-2) & (supplied > 1e-2)).all(axis=-1)][:8]
     assert len(split) == 8
-    off = round_trips(split, GRIPS, (True, False))
-    assert (off <= 1e-6).sum() >= 7
-    assert off.max() <= 1e-5
+    assert round_trips(split, GRIPS, (True, False)).max() <= 1e-6
 
 
 def test_what_a_pair_off_the_axis_cannot_do_is_named():
