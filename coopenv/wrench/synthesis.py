@@ -10,7 +10,7 @@ from coopenv.errors import InvalidInput
 from coopenv.wrench import synthesis_refusal, synthesis_search
 from coopenv.wrench.grasp import checked_grips, require_batch, sum_at_centre, wrench_size
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.synthesis_search import Wish
+from coopenv.wrench.synthesis_wish import Wish
 
 ROUNDING = 1e-9  # by how much shares may miss their sum, and an internal wrench its balance
 

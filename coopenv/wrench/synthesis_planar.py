@@ -8,25 +8,20 @@ proportion to what they keep (eq. 23), and only where none keeps any does the to
 What keeps plausibility and shares is decomposed, and what comes back as wanted is an answer.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench import synthesis_points
-from coopenv.wrench.measure_kernels import load_share_kernel
 from coopenv.wrench.pair_off_axis import decompose_off_axis, frame
 from coopenv.wrench.synthesis_points import PlanarWish, cross, keeping, torque_left
-
-if TYPE_CHECKING:
-    from coopenv.wrench.synthesis_search import Wish
+from coopenv.wrench.synthesis_wish import Wish, share_miss
 
 ALLOWED = 1e-7  # by how much a candidate may miss plausibility or shares before it is decomposed
 FOUND = 1e-7  # by how much its decomposition may miss what is wanted, relative to the wrench
 AT_ONCE = 64  # wishes whose candidates are in memory at the same time
 
 
-def find(wish: "Wish") -> FloatArray:
+def find(wish: Wish) -> FloatArray:
     """Smallest wrenches ``(batch, 2, 3)`` found that decompose as wanted; NaN where none is."""
     answer = np.full(wish.internal.shape, np.nan)
     for start in range(0, len(answer), AT_ONCE):
@@ -35,7 +30,7 @@ def find(wish: "Wish") -> FloatArray:
     return answer
 
 
-def _find(wish: "Wish") -> FloatArray:
+def _find(wish: Wish) -> FloatArray:
     axis = frame(wish.grips)
     units = _units(wish)
     wanted = _in_frame(wish, axis, units)
@@ -45,7 +40,7 @@ def _find(wish: "Wish") -> FloatArray:
         sample, number = np.nonzero(good)
         tried = _turned_back(manipulation[sample, number], axis[sample]) * units[sample, None]
     tried = tried + wish.internal[sample]
-    miss = _share_miss(tried, wish, sample)
+    miss = share_miss(tried, wish.rows(sample))
     shared = miss <= FOUND
     miss[shared] = _internal_miss(tried[shared], axis, wish, sample[shared])
     size = np.where(miss <= FOUND, np.abs(tried).max(axis=(-1, -2)), np.inf)
@@ -60,17 +55,8 @@ def _find(wish: "Wish") -> FloatArray:
     return answer
 
 
-def _share_miss(applied: FloatArray, wish: "Wish", sample: IntArray) -> FloatArray:
-    miss = np.zeros(len(applied))
-    shares = load_share_kernel(applied, wish.grips[sample])
-    for reached, wanted in zip(shares, (wish.force_share, wish.torque_share), strict=True):
-        off = np.where(np.isnan(wanted[sample]), 0.0, np.abs(reached - wanted[sample]))
-        miss = np.maximum(miss, np.where(np.isnan(off), np.inf, off).max(axis=-1))
-    return miss
-
-
 def _internal_miss(
-    applied: FloatArray, axis: FloatArray, wish: "Wish", sample: IntArray
+    applied: FloatArray, axis: FloatArray, wish: Wish, sample: IntArray
 ) -> FloatArray:
     """By how much what is decomposed misses what is wanted, relative to what is applied."""
     weights = np.array([wish.settings.torque_weight, float(wish.settings.include_induced)])
@@ -79,7 +65,7 @@ def _internal_miss(
     return np.abs(internal - wish.internal[sample]).max(axis=(-1, -2)) / size
 
 
-def _units(wish: "Wish") -> FloatArray:
+def _units(wish: Wish) -> FloatArray:
     """Of forces and torques ``(batch, 3)``, such that nothing wanted is larger than 1."""
     length = np.hypot(wish.grips[..., 0], wish.grips[..., 1]).max(axis=-1)
     units = np.stack([np.ones_like(length), np.ones_like(length), length], axis=-1)
@@ -88,7 +74,7 @@ def _units(wish: "Wish") -> FloatArray:
     return units * np.where(largest > 0.0, largest, 1.0)[:, None]
 
 
-def _in_frame(wish: "Wish", axis: FloatArray, units: FloatArray) -> PlanarWish:
+def _in_frame(wish: Wish, axis: FloatArray, units: FloatArray) -> PlanarWish:
     length = units[:, 2] / units[:, 0]
     wanted, internal = wish.object_wrench / units, wish.internal / units[:, None]
     weight = wish.settings.torque_weight

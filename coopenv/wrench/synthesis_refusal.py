@@ -4,7 +4,7 @@ import numpy as np
 
 from coopenv.wrench import synthesis_search
 from coopenv.wrench.measure_kernels import load_share_kernel
-from coopenv.wrench.synthesis_search import Wish
+from coopenv.wrench.synthesis_wish import Wish
 
 ROUNDING = 1e-9  # sine of an angle that counts as none
 

@@ -3,15 +3,12 @@
 1. Forces along the resultant (`synthesis_shares`), any number of effectors, nothing internal.
 2. Two planar effectors on a line through the centre of mass (`synthesis_pair`).
 3. Nothing internal otherwise: twists that vouch for a wrench (`synthesis_twist`), more and more.
-4. Two planar effectors anywhere: curves on which an optimum can lie (`synthesis_curves`), and
-   where costs tie, what the solver makes of it (`synthesis_ties`).
+4. Two planar effectors off that line: everywhere an optimum can be (`synthesis_planar`).
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench import (
     pair,
     synthesis_pair,
@@ -19,39 +16,13 @@ from coopenv.wrench import (
     synthesis_shares,
     synthesis_twist,
 )
-from coopenv.wrench.decomposition import Decomposer, Decomposition
-from coopenv.wrench.measure_kernels import load_share_kernel
-from coopenv.wrench.settings import Settings
+from coopenv.wrench.decomposition import Decomposer
+from coopenv.wrench.synthesis_wish import Wish, share_miss
 
 FOUND = 1e-7  # by how much an answer may miss what is wanted: shares, and parts of the wrench
-ROUGH = 1e-4  # the same where no closer one is found and what is wanted is as cheap
-AS_CHEAP = 1e-7  # part of the cost that counts as nothing
 ROUNDS = ((8, 0.1, 60), (64, 0.01, 100), (192, 0.001, 200))  # starts, margin, steps
 AT_ONCE = 1e6  # entries of all systems of equations that are solved at the same time
 MOST_TRIED = 3  # answers of a sample that are decomposed before another round
-TRIED = 64  # candidates decomposed at the same time
-
-
-class Wish(NamedTuple):
-    """What is wanted, one sample a row; shares are NaN where open."""
-
-    object_wrench: FloatArray  # (batch, k) [N, N·m]
-    grips: FloatArray  # (batch, n, d) [m]
-    internal: FloatArray  # (batch, n, k) [N, N·m]
-    force_share: FloatArray  # (batch, n)
-    torque_share: FloatArray  # (batch, n)
-    settings: Settings
-
-    def rows(self, which: BoolArray | IntArray) -> "Wish":
-        """Wishes of some samples."""
-        return Wish(*(part[which] for part in self[:-1]), self.settings)  # pyright: ignore
-
-    @property
-    def searched(self) -> BoolArray:
-        """For which samples ``(batch,)`` there is a search: internal wrench only for pairs."""
-        if self.grips.shape[1:] == (2, 2):
-            return np.ones(len(self.grips), dtype=np.bool_)
-        return np.asarray(~self.internal.any(axis=(-1, -2)))
 
 
 def find(wish: Wish) -> tuple[FloatArray, int | None]:
@@ -100,7 +71,7 @@ def _missing(applied: FloatArray) -> BoolArray:
 def _along_resultant(wish: Wish) -> FloatArray:
     shares = (wish.force_share, wish.torque_share)
     applied = synthesis_shares.find(wish.object_wrench, wish.grips, *shares)
-    missed = _share_miss(np.nan_to_num(applied), wish) > FOUND
+    missed = share_miss(np.nan_to_num(applied), wish) > FOUND
     applied[missed | wish.internal.any(axis=(-1, -2))] = np.nan
     return applied
 
@@ -144,28 +115,16 @@ def _smallest(found: FloatArray, wish: Wish) -> FloatArray:
         if not len(rows):
             break
         tried = found[rows, best]
-        good = _miss(tried, wish.rows(rows))[0] <= FOUND
+        good = _miss(tried, wish.rows(rows)) <= FOUND
         answer[rows[good]] = tried[good]
         size[rows, best] = np.inf
         rows = rows[~good]
     return answer
 
 
-def _miss(applied: FloatArray, wish: Wish) -> tuple[FloatArray, BoolArray]:
-    """By how much decompositions miss wishes, and whether what is wanted is as cheap."""
-    decomposer = Decomposer(wish.grips, wish.settings)
-    found = decomposer(applied)
-    wanted = Decomposition(applied, applied - wish.internal, None, decomposer)
+def _miss(applied: FloatArray, wish: Wish) -> FloatArray:
+    """By how much decompositions miss wishes: shares, and parts of the wrench."""
+    found = Decomposer(wish.grips, wish.settings)(applied)
     size = np.maximum(np.abs(applied).max(axis=(-1, -2)), 1e-300)
     miss = np.abs(found.internal - wish.internal).max(axis=(-1, -2)) / size
-    as_cheap = wanted.cost <= found.cost + AS_CHEAP * found.applied_cost
-    return np.maximum(miss, _share_miss(applied, wish)), np.asarray(as_cheap)
-
-
-def _share_miss(applied: FloatArray, wish: Wish) -> FloatArray:
-    miss = np.zeros(len(applied))
-    shares = load_share_kernel(applied, wish.grips)
-    for reached, wanted in zip(shares, (wish.force_share, wish.torque_share), strict=True):
-        off = np.where(np.isnan(wanted), 0.0, np.abs(reached - wanted))
-        miss = np.maximum(miss, np.where(np.isnan(off), np.inf, off).max(axis=-1))
-    return miss
+    return np.maximum(miss, share_miss(applied, wish))

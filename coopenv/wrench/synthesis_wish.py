@@ -1,0 +1,41 @@
+"""What is wanted of effectors, many wishes at once."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.wrench.measure_kernels import load_share_kernel
+from coopenv.wrench.settings import Settings
+
+
+class Wish(NamedTuple):
+    """What is wanted, one sample a row; shares are NaN where open."""
+
+    object_wrench: FloatArray  # (batch, k) [N, N·m]
+    grips: FloatArray  # (batch, n, d) [m]
+    internal: FloatArray  # (batch, n, k) [N, N·m]
+    force_share: FloatArray  # (batch, n)
+    torque_share: FloatArray  # (batch, n)
+    settings: Settings
+
+    def rows(self, which: BoolArray | IntArray) -> "Wish":
+        """Wishes of some samples."""
+        return Wish(*(part[which] for part in self[:-1]), self.settings)  # pyright: ignore
+
+    @property
+    def searched(self) -> BoolArray:
+        """For which samples ``(batch,)`` there is a search: internal wrench only for pairs."""
+        if self.grips.shape[1:] == (2, 2):
+            return np.ones(len(self.grips), dtype=np.bool_)
+        return np.asarray(~self.internal.any(axis=(-1, -2)))
+
+
+def share_miss(applied: FloatArray, wish: Wish) -> FloatArray:
+    """By how much wrenches ``(batch, n, k)`` miss the wanted shares; infinite where undefined."""
+    miss = np.zeros(len(applied))
+    shares = load_share_kernel(applied, wish.grips)
+    for reached, wanted in zip(shares, (wish.force_share, wish.torque_share), strict=True):
+        off = np.where(np.isnan(wanted), 0.0, np.abs(reached - wanted))
+        miss = np.maximum(miss, np.where(np.isnan(off), np.inf, off).max(axis=-1))
+    return miss
