@@ -23,6 +23,7 @@ REPEATS = 15
 BATCHES = (1, 100, 100_000)
 BEAM = ((-0.9, 0.0), (0.9, 0.0))
 WALKER = ((-0.5, 0.0), (0.0, 0.0))
+BENT = ((0.8, 0.3), (-0.5, 0.9))  # not on a line through the centre of mass
 TARGETS = {  # [µs a sample]
     "pair, beam, batch of 1": 10.0,
     "pair, beam, batch of 100000": 1.0,
@@ -57,7 +58,7 @@ def median_time(call: Callable[[], object], samples: int = 1) -> float:
 def pair() -> list[Row]:
     """Decompositions of two planar effectors, and what the environment asks of one."""
     rows = []
-    for grips_name, grips in (("beam", BEAM), ("walker", WALKER)):
+    for grips_name, grips in (("beam", BEAM), ("walker", WALKER), ("off the axis", BENT)):
         decomposer = wrench.Decomposer(grips)
         for size in BATCHES:
             applied = draw(size, 2, 3)

@@ -22,9 +22,6 @@ by neither solver, and the gap says so.
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """
 
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -32,23 +29,20 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import SolverError
-from coopenv.wrench import conic, measures, pair_off_axis
-from coopenv.wrench.measure_kernels import level_kernel
+from coopenv.wrench import conic, pair_off_axis
+from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.structured_kernel import solve_batch
 
 if TYPE_CHECKING:
     from coopenv.wrench.methods import Solve
     from coopenv.wrench.settings import Settings
 
-Answers = tuple[FloatArray, FloatArray, BoolArray]  # manipulation wrenches, gaps [N], fell back
-
 TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
 IN_PLANE = (
     1e-12  # the same where one iteration more gets there: flat costs turn ε into √ε of answer
 )
-ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
-PARTS = 4  # of a batch for each thread: some take longer than others
+ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
 
 
 def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
@@ -61,59 +55,50 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     settings
         Torque weight and whether induced torque is costed.
     """
-    return partial(_solve, grips, settings)
+    pairs = pair_off_axis.applies(grips)
+    if pairs.all():
+        return pair_off_axis.prepare(grips, settings)
+    return partial(_solve_some if pairs.any() else _solve, grips, settings)
 
 
-def _solve(grips: FloatArray, settings: "Settings", applied: FloatArray) -> Answers:
-    """Manipulation wrenches, gaps [N], and where the answer is `conic`'s."""
+def _solve_some(
+    grips: FloatArray, settings: "Settings", applied: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Solve for planar pairs of which some are on the axis and some are not."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-    rows = _rows(applied, batch)
-    places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
-    manipulation, gap, fell_back = (
-        np.empty_like(rows),
-        np.zeros(len(rows)),
-        np.zeros(len(rows), dtype=np.bool_),
-    )
-    general = np.broadcast_to(~pair_off_axis.applies(places), len(rows))
-    for chosen, solve in ((general, _solve_any), (~general, _solve_pairs)):
-        if chosen.all():
-            manipulation, gap, fell_back = solve(rows, places, settings)
-        elif chosen.any():
-            part = solve(rows[chosen], places[chosen], settings)
-            manipulation[chosen], gap[chosen], fell_back[chosen] = part
+    rows, places = _rows(applied, batch), _rows(grips, batch)
+    manipulation, gap = np.empty_like(rows), np.empty(len(rows))
+    fell_back = np.empty(len(rows), dtype=np.bool_)
+    off_axis = pair_off_axis.applies(places)
+    for chosen, solve in (
+        (off_axis, pair_off_axis.prepare(places[off_axis], settings)),
+        (~off_axis, partial(_solve, places[~off_axis], settings)),
+    ):
+        manipulation[chosen], gap[chosen], fell_back[chosen] = solve(rows[chosen])
     shape = (*batch, *applied.shape[-2:])
     return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
 
 
-def _solve_pairs(applied: FloatArray, grips: FloatArray, settings: "Settings") -> Answers:
-    """Solve for two planar effectors off the axis; the gap is what rounding may be worth."""
-    manipulation = np.empty_like(applied)
-    axis = pair_off_axis.frame(grips)
-    weights = np.array([settings.torque_weight, float(settings.include_induced)])
-
-    def solve(part: slice) -> None:
-        place = axis[part] if len(axis) > 1 else axis
-        pair_off_axis.decompose_off_axis(applied[part], place, weights, manipulation[part])
-
-    _on_all_cores(solve, len(applied), 2)
-    parameters = measures.level_parameters(*weights, plausible=True)
-    applied_cost = level_kernel(applied, manipulation, grips, parameters)[..., 1]
-    gap = pair_off_axis.rounding(axis) * applied_cost
-    return manipulation, gap, np.zeros(len(applied), dtype=np.bool_)
-
-
-def _solve_any(applied: FloatArray, grips: FloatArray, settings: "Settings") -> Answers:
+def _solve(
+    grips: FloatArray, settings: "Settings", applied: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Manipulation wrenches, gaps [N], and where the answer is `conic`'s."""
+    batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
+    rows = _rows(applied, batch)
+    places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
     tolerance = IN_PLANE if grips.shape[-1] == 2 else TOLERANCE
-    manipulation, report = iterate(applied, grips, settings, tolerance)
+    manipulation, report = iterate(rows, places, settings, tolerance)
     gap, applied_cost, undercut = report[:, 0], report[:, 1], report[:, 4]
-    fell_back = np.zeros(len(applied), dtype=np.bool_)
+    fell_back = np.zeros(len(rows), dtype=np.bool_)
     for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
-        place = grips[index if len(grips) > 1 else 0]
-        answer = _fall_back(applied[index], place, settings, gap[index])
+        place = places[index if len(places) > 1 else 0]
+        answer = _fall_back(rows[index], place, settings, gap[index])
         if answer is not None:
             manipulation[index], gap[index] = answer
             fell_back[index], undercut[index] = True, 0.0  # `conic` has counted its own
-    return manipulation, gap + undercut, fell_back
+    gap = gap + undercut
+    shape = (*batch, *applied.shape[-2:])
+    return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
 
 
 def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
@@ -155,19 +140,8 @@ def iterate(
             applied[part], place, weight, induced, tolerance, manipulation[part], report[part]
         )
 
-    _on_all_cores(solve, *applied.shape[:2])
+    on_all_cores(solve, len(applied), WORTH_A_THREAD / applied.shape[1])
     return manipulation, report
-
-
-def _on_all_cores(solve: Callable[[slice], None], num_samples: int, num_effectors: int) -> None:
-    """Solve all samples, by parts where threads pay."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    workers = min(cores or 1, num_samples, num_samples * num_effectors // WORTH_A_THREAD + 1)
-    if workers < 2:
-        return solve(slice(None))
-    edges = np.linspace(0, num_samples, PARTS * workers + 1).astype(int)
-    with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(solve, map(slice, edges[:-1], edges[1:])))
 
 
 def _fall_back(

@@ -12,7 +12,8 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench import synthesis_points
-from coopenv.wrench.pair_off_axis import decompose_off_axis, frame
+from coopenv.wrench.pair_off_axis import frame
+from coopenv.wrench.pair_off_axis_kernel import decompose_off_axis
 from coopenv.wrench.synthesis_points import PlanarWish, cross, keeping, torque_left
 from coopenv.wrench.synthesis_wish import Wish, share_miss
 
