@@ -31,8 +31,9 @@ def synthesize(
 
     - Without internal wrench, any number of effectors in plane and space. Forces along the
       resultant are written down. Where they do not reach the torque shares, wrenches with forces
-      across it are searched. Of the shares that random wrenches free of internal wrench have, the
-      search misses none for planar pairs (900 tried) and 1 in 900 for three effectors.
+      across it are searched. Of 76,000 wishes that random wrenches free of internal wrench fulfil
+      (2 to 10 effectors, generic and in special positions and motions, both shares or one open;
+      16,400 were searched) none is refused, and all come back to 1e-7.
     - With it, two planar effectors: on a line through the centre of mass every wish that some
       wrench fulfils; elsewhere, of wishes that random wrenches fulfil, 1 of 1,408 with both shares
       and 1 of 528 with open ones is refused, and nearly all others come back to 1e-6 of the wrench,
@@ -41,8 +42,10 @@ def synthesize(
       where the line allows.
 
     Where several splits cost the same, the answer is such that `decompose` returns the wanted one.
-    What is searched for two or three effectors takes 10 to 100 ms a sample; in vain, including the
-    reason, up to 2 s. More effectors take longer: ten 3 to 4 s in vain.
+    What is searched takes 20 to 100 ms for a sample alone of two to ten effectors; in batches of
+    wishes without internal wrench 3 to 10 ms a sample for two or three. In vain, including the
+    reason, it takes up to 1 s for two or three effectors without internal wrench, up to 2 s with
+    it, 2 s for ten and 11 s for thirty. The first impossible sample of a batch ends the search.
 
     Parameters
     ----------

@@ -3,12 +3,12 @@
 1. Forces along the resultant (`synthesis_shares`), any number of effectors, nothing internal.
 2. Two planar effectors on a line through the centre of mass (`synthesis_pair`).
 3. Nothing internal otherwise: twists that vouch for a wrench (`synthesis_twist`), more and more.
-4. Two planar effectors off that line: everywhere an optimum can be (`synthesis_planar`).
+4. Internal wrench of two planar effectors off that line: all that can be (`synthesis_planar`).
 """
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench import (
     pair,
     synthesis_pair,
@@ -20,9 +20,9 @@ from coopenv.wrench.decomposition import Decomposer
 from coopenv.wrench.synthesis_wish import Wish, share_miss
 
 FOUND = 1e-7  # by how much an answer may miss what is wanted: shares, and parts of the wrench
-ROUNDS = ((8, 0.1, 60), (64, 0.01, 100), (192, 0.001, 200))  # starts, margin, steps
-AT_ONCE = 1e6  # entries of all systems of equations that are solved at the same time
-MOST_TRIED = 3  # answers of a sample that are decomposed before another round
+ROUNDS = ((8, 30), (24, 40), (32, 60), (32, 60), (32, 60))  # starts, steps
+AT_ONCE = 2e5  # entries of all systems of equations that are solved at the same time
+MOST_TRIED = 8  # answers of a sample that are decomposed before another round
 
 
 def find(wish: Wish) -> tuple[FloatArray, int | None]:
@@ -32,36 +32,44 @@ def find(wish: Wish) -> tuple[FloatArray, int | None]:
     ends there.
     """
     applied = _along_resultant(wish)
-    missing = _missing(applied)
-    if (missing & ~wish.searched).any():
-        return applied, int((missing & ~wish.searched).argmax())
     on_axis = np.asarray(pair.applies(wish.grips))
-    rows = np.flatnonzero(missing & on_axis)
+    rows = np.flatnonzero(_missing(applied) & on_axis)
     if len(rows):
         applied[rows] = _as_pair(wish.rows(rows))
-    rows = np.flatnonzero(missing & ~on_axis & wish.internal.any(axis=(-1, -2)))
+    internal = wish.internal.any(axis=(-1, -2))
+    rows = np.flatnonzero(_missing(applied) & ~on_axis & internal & wish.searched)
     if len(rows):
         applied[rows] = synthesis_planar.find(wish.rows(rows))
-    rows = np.flatnonzero(missing & ~on_axis & ~wish.internal.any(axis=(-1, -2)))
-    for number in range(len(ROUNDS) - 1):
-        applied[rows] = _from_twists(wish.rows(rows), number)
-        rows = rows[_missing(applied[rows])]
-    for row in np.flatnonzero(_missing(applied)):
-        if not on_axis[row]:
-            applied[row] = _last_resort(wish.rows(np.array([row])))[0]
-        if _missing(applied[row]):
-            return applied, int(row)
+    impossible = _missing(applied) & (on_axis | internal)
+    if impossible.any():
+        return applied, int(impossible.argmax())
+    rows = np.flatnonzero(_missing(applied))
+    entries = ROUNDS[0][0] * synthesis_twist.entries(*wish.internal.shape[1:])
+    at_once = max(int(AT_ONCE / entries), 1)
+    for start in range(0, len(rows), at_once):
+        failed = _searched(wish, applied, rows[start : start + at_once])
+        if failed is not None:
+            return applied, failed
     return applied, None
+
+
+def _searched(wish: Wish, applied: FloatArray, rows: IntArray) -> int | None:
+    """Search some samples, write what is found to ``applied``; return the first that has none."""
+    applied[rows] = _from_twists(wish.rows(rows), 0)
+    for row in rows[_missing(applied[rows])]:
+        applied[row] = _last_resort(wish.rows(np.array([row])))[0]
+        if _missing(applied[row]):
+            return int(row)
+    return None
 
 
 def _last_resort(wish: Wish) -> FloatArray:
     """What takes longer, for one sample."""
-    if wish.internal.any():
-        return np.full(wish.internal.shape, np.nan)
-    found = np.full(wish.internal.shape, np.nan)
-    if wish.grips.shape[1:] == (2, 2):
-        found = synthesis_planar.find(wish)
-    return _from_twists(wish, len(ROUNDS) - 1) if _missing(found)[0] else found
+    for number in range(1, len(ROUNDS)):
+        found = _from_twists(wish, number)
+        if not _missing(found)[0]:
+            return found
+    return np.full(wish.internal.shape, np.nan)
 
 
 def _missing(applied: FloatArray) -> BoolArray:
@@ -84,22 +92,15 @@ def _as_pair(wish: Wish) -> FloatArray:
 
 def _from_twists(wish: Wish, number: int) -> FloatArray:
     """Smallest wrench of each sample that a twist vouches for, of a round of starts."""
-    answer = np.full(wish.internal.shape, np.nan)
-    entries = ROUNDS[number][0] * synthesis_twist.entries(*wish.internal.shape[1:])
-    at_once = max(int(AT_ONCE / entries), 1)
-    for start in range(0, len(answer), at_once):
-        rows = np.arange(start, min(start + at_once, len(answer)))
-        part = wish.rows(rows)
-        found = synthesis_twist.find(
-            part.object_wrench,
-            part.grips,
-            part.force_share,
-            part.torque_share,
-            *ROUNDS[number],
-            number,
-        )
-        answer[rows] = _smallest(found, part)
-    return answer
+    found = synthesis_twist.find(
+        wish.object_wrench,
+        wish.grips,
+        wish.force_share,
+        wish.torque_share,
+        *ROUNDS[number],
+        seed=number,
+    )
+    return _smallest(found, wish)
 
 
 def _smallest(found: FloatArray, wish: Wish) -> FloatArray:

@@ -8,32 +8,29 @@ is a twist (a, ω), the multipliers of balance, such that with u_i = a + ω × r
 
 (the multipliers of force ball, induced-torque disc and torque ball being what A, B and T say). The
 costs w and s only bound the length of the twist from below, so that its direction is all that
-matters. Resultant and shares are linear in A, B, T and linear in the twist. With B_i = b_i²,
-A_i = (1 + margin) b_i² + c_i² and T_i = d_i², what is wanted is a system of polynomial equations
-with more unknowns than equations. Levenberg and Marquardt's method solves it, from many twists at
-once. A margin keeps the answer off the edge, where other answers would cost the same.
-"""
+matters. Resultant and shares are linear in the factors C = A − B, B and T for a given twist, and
+linear in the twist for given factors. Wanted are a twist and factors that are not negative.
 
-from typing import NamedTuple
+A step of Levenberg and Marquardt's method solves the equations linearised in both, as near to where
+they are as damping asks and with no factor negative; then the factors alone, for the new twist,
+where the equations are linear in truth. It starts from many twists at once. Bounds, rather than
+squares, let it end where factors are 0, as they must be at the edge of what shares are possible.
+"""
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.wrench.grasp import grasp_matrix, moment
+from coopenv.wrench import synthesis_equations as equations
+from coopenv.wrench.synthesis_equations import State, Wishes
 
 SOLVED = 1e-12  # largest residual of a solution, relative to the wish
-STUCK = 1e8  # damping at which a system is given up
+NEARLY = 1e-9  # the same where a wish is only approached, with factors that grow without end
+STUCK = 1e4  # damping at which a system is given up
 EASIER, HARDER = 0.2, 4.0  # factors of the damping after a step that helped, or did not
-
-
-class Wishes(NamedTuple):
-    """One system of equations a row, in units of the wish and of the longest lever."""
-
-    wrench: FloatArray  # (batch, k)
-    grips: FloatArray  # (batch, n, d)
-    force_share: FloatArray  # (batch, n), NaN where open
-    torque_share: FloatArray  # (batch, n), NaN where open
-    margin: float
+PATIENCE = 8  # steps in which a system must come closer
+CLOSER = 0.8  # by this factor
+REGULAR = 1e-15  # least damping, relative to the squares of all derivatives
+MOST_CHANGES = 8  # of the set of factors that are 0, in one step
 
 
 def find(
@@ -42,7 +39,6 @@ def find(
     force_share: FloatArray,
     torque_share: FloatArray,
     num_starts: int,
-    margin: float,
     num_steps: int,
     seed: int,
 ) -> FloatArray:
@@ -58,8 +54,6 @@ def find(
         ``(batch, n)``, rows of NaN where open.
     num_starts
         Twists to start from; the same for every sample.
-    margin
-        By how much A must exceed B, relative to it.
     num_steps
         After which to give up.
     seed
@@ -71,17 +65,16 @@ def find(
     length = np.where(length > 0.0, length, 1.0)
     units = np.ones((batch, size))
     units[:, dimension:] = length[:, None]
-    scale = np.abs(wanted / units).max(axis=-1)
-    units = units * scale[:, None]
-    wishes = Wishes(
-        np.repeat(wanted / units, num_starts, axis=0),
-        np.repeat(grips / length[:, None, None], num_starts, axis=0),
-        np.repeat(force_share, num_starts, axis=0),
-        np.repeat(torque_share, num_starts, axis=0),
-        margin,
-    )
-    answer = _solve(wishes, _starts(wishes, num_starts, seed), num_steps)
-    return answer.reshape(batch, num_starts, num_effectors, size) * units[:, None, None]
+    units = units * np.abs(wanted / units).max(axis=-1, keepdims=True)
+    shares = (force_share, torque_share)
+    wishes = equations.set_up(wanted / units, grips / length[:, None, None], *shares)
+    wishes = Wishes(*(np.repeat(part, num_starts, axis=0) for part in wishes))
+    twist, factors = _solve(wishes, *_starts(wishes, num_starts, seed), num_steps)
+    factors = factors[:, : 3 * num_effectors].reshape(-1, num_effectors, 3)
+    factors = factors * wishes.amount[..., None]
+    applied = np.einsum("bijkl,bl,bij->bik", wishes.parts, twist, factors)
+    applied[..., dimension:] = factors[..., 2:] * twist[:, None, dimension:]
+    return applied.reshape(batch, num_starts, num_effectors, size) * units[:, None, None]
 
 
 def entries(num_effectors: int, size: int) -> int:
@@ -89,164 +82,105 @@ def entries(num_effectors: int, size: int) -> int:
     return (size + 2 * num_effectors) * (size + 5 * num_effectors + 2)
 
 
-def _starts(wishes: Wishes, num_starts: int, seed: int) -> FloatArray:
-    """Twists of every kind, from translations to rotations, and factors as large as the shares.
+def _starts(wishes: Wishes, num_starts: int, seed: int) -> tuple[FloatArray, FloatArray]:
+    """Twists in all directions, and factors: alike, or for every other start of all sizes.
 
     No twist that would take power from the object, as every effector gives some, f_i·u_i ≥ 0.
     """
-    num_effectors, size = wishes.grips.shape[-2], wishes.wrench.shape[-1]
+    num_effectors, size = wishes.share.shape[-1], wishes.wrench.shape[-1]
     rng = np.random.default_rng(seed)
-    shape = (num_starts, size + 5 * num_effectors + 2)
-    start = rng.uniform(0.3, 0.8, size=shape)
-    start[1::2] = 10.0 ** rng.uniform(-1.5, 0.3, size=shape)[1::2]
-    start[:, size:] /= np.sqrt(num_effectors)
-    start[:, :size] = rng.normal(size=(num_starts, size))
-    start = np.tile(start, (len(wishes.wrench) // num_starts, 1))
-    power = (start[:, :size] * wishes.wrench).sum(axis=-1, keepdims=True)
-    start[:, :size] *= np.where(power < 0.0, -1.0, 1.0)
-    for kind, share in enumerate((wishes.force_share, wishes.force_share, wishes.torque_share)):
-        first = size + kind * num_effectors
-        factor = np.sqrt(np.where(share > 0.0, num_effectors * share, 1.0))
-        start[:, first : first + num_effectors] *= factor
-    return start
+    num_wishes = len(wishes.wrench) // num_starts
+    shape = (num_starts, 5 * num_effectors + 2)
+    factors = rng.uniform(0.1, 0.6, shape)
+    factors[1::2] = 10.0 ** rng.uniform(-2.0, 1.0, shape)[1::2]
+    factors = np.tile(factors, (num_wishes, 1))
+    twist = np.tile(rng.normal(size=(num_starts, size)), (num_wishes, 1))
+    twist *= np.sqrt(size) / np.linalg.norm(twist, axis=-1, keepdims=True)
+    power = (twist * wishes.wrench).sum(axis=-1, keepdims=True)
+    return np.where(power < 0.0, -twist, twist), factors
 
 
-def _solve(wishes: Wishes, unknowns: FloatArray, num_steps: int) -> FloatArray:
-    """Run all systems until each is solved or out of steps; return wrenches, NaN if unsolved."""
-    unknowns = unknowns.copy()
-    answer = np.full((*wishes.grips.shape[:2], wishes.wrench.shape[-1]), np.nan)
-    active = np.arange(len(unknowns))
-    damping = np.full(len(unknowns), 1e-2)
-    applied, residual, slope = _equations(wishes, unknowns)
-    for _ in range(num_steps):
-        solved = np.abs(residual).max(axis=-1) <= SOLVED
-        answer[active[solved]] = applied[solved]
-        keep = ~(solved | (damping > STUCK))
-        if not keep.all():
-            active, damping = active[keep], damping[keep]
-            wishes, unknowns = _rows(wishes, keep), unknowns[keep]
-            residual, slope = residual[keep], slope[keep]
+def _solve(
+    wishes: Wishes, twist: FloatArray, factors: FloatArray, num_steps: int
+) -> tuple[FloatArray, FloatArray]:
+    """Run all systems until each is solved or out of steps; NaN if unsolved."""
+    twists, all_factors = np.full_like(twist, np.nan), np.full_like(factors, np.nan)
+    active = np.arange(len(twist))
+    damping = np.full(len(twist), 1e-2)
+    before = np.full(len(twist), np.inf)
+    state = equations.state(wishes, twist, factors)
+    for step in range(num_steps + 1):
+        missed = np.abs(state.residual).max(axis=-1)
+        leaving = (missed <= SOLVED) | (damping > STUCK) | (step == num_steps)
+        if step % PATIENCE == 0:
+            length = np.linalg.norm(state.residual, axis=-1)
+            leaving |= length > CLOSER * before
+            before = length
+        solved = leaving & (missed <= NEARLY)
+        twists[active[solved]] = state.twist[solved]
+        all_factors[active[solved]] = state.factors[solved]
+        if leaving.any():
+            keep = ~leaving
+            wishes, state = wishes.rows(keep), state.rows(keep)
+            active, damping, before = active[keep], damping[keep], before[keep]
         if not len(active):
             break
-        square = (residual**2).sum(axis=-1)
-        tried = unknowns - _step(residual, slope, damping * square)
-        applied, new_residual, new_slope = _equations(wishes, tried)
-        better = (new_residual**2).sum(axis=-1) < square
-        unknowns = np.where(better[:, None], tried, unknowns)
-        residual = np.where(better[:, None], new_residual, residual)
-        slope = np.where(better[:, None, None], new_slope, slope)
+        tried = _stepped(wishes, state, damping)
+        state, better = _better(tried, state)
         damping = np.where(better, np.maximum(EASIER * damping, 1e-6), HARDER * damping)
-    return answer
+    return twists, all_factors
 
 
-def _step(residual: FloatArray, slope: FloatArray, damping: FloatArray) -> FloatArray:
-    """Smallest step that solves the linearised equations, as far as damping lets it."""
-    normal = slope @ slope.swapaxes(-1, -2)
-    damping = damping + 1e-13 * np.einsum("...ii->...", normal)
-    rows = np.arange(normal.shape[-1])
-    normal[:, rows, rows] += damping[:, None]
-    solution = np.linalg.solve(normal, residual[..., None])
-    return (slope.swapaxes(-1, -2) @ solution)[..., 0]
+def _stepped(wishes: Wishes, state: State, damping: FloatArray) -> State:
+    """Take one step of twists and factors, and one of the factors alone."""
+    size = state.twist.shape[-1]
+    square = (state.residual**2).sum(axis=-1)
+    bound = np.concatenate([np.full_like(state.twist, np.inf), state.factors], axis=-1)
+    step = _bounded_step(state.residual, state.slope, bound, damping * square)
+    twist = state.twist + step[:, :size]
+    factors = np.maximum(state.factors + step[:, size:], 0.0)
+    length = np.linalg.norm(twist, axis=-1, keepdims=True) / np.sqrt(size)
+    factors[:, : 3 * wishes.share.shape[-1]] *= length
+    tried = equations.state(wishes, twist / length, factors)
+    step = _bounded_step(tried.residual, tried.slope[..., size:], tried.factors, square)
+    factors = np.maximum(tried.factors + step, 0.0)
+    return _better(equations.state(wishes, tried.twist, factors), tried)[0]
 
 
-def _rows(wishes: Wishes, which: BoolArray) -> Wishes:
-    return Wishes(*(part[which] for part in wishes[:-1]), wishes.margin)  # pyright: ignore
+def _better(one: State, other: State) -> tuple[State, BoolArray]:
+    """Take whichever misses by less, and say where that is the first."""
+    first = np.asarray((one.residual**2).sum(axis=-1) < (other.residual**2).sum(axis=-1))
+    chosen = (
+        np.where(first.reshape(-1, *[1] * (a.ndim - 1)), a, b)
+        for a, b in zip(one, other, strict=True)
+    )
+    return State(*chosen), first
 
 
-def _equations(wishes: Wishes, unknowns: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Wrenches ``(batch, n, k)``, residuals ``(batch, k + 2n)`` and their derivatives.
-
-    Unknown are the twist (k); b, c, d (n each); slacks of both shares (n each), in use where a
-    share is 0 and less may be; and by how much the others exceed their shares then (2).
-    """
-    batch, num_effectors, dimension = wishes.grips.shape
-    size = unknowns.shape[-1] - 5 * num_effectors - 2
-    twist = unknowns[:, :size]
-    factors = unknowns[:, size : size + 3 * num_effectors].reshape(batch, 3, num_effectors)
-    applied, at_centre, by_twist, by_factor = _wrenches(wishes, twist, factors)
-    residual = np.zeros((batch, size + 2 * num_effectors))
-    slope = np.zeros((batch, residual.shape[-1], unknowns.shape[-1]))
-    residual[:, :size] = at_centre.sum(axis=1) - wishes.wrench
-    slope[:, :size, :size] = by_twist.sum(axis=1)
-    for kind in range(3):
-        columns = slice(size + kind * num_effectors, size + (kind + 1) * num_effectors)
-        slope[:, :size, columns] = by_factor[:, kind].swapaxes(-1, -2)
-    for kind in range(2):
-        part = slice(dimension) if kind == 0 else slice(dimension, size)
-        rows = slice(size + kind * num_effectors, size + (kind + 1) * num_effectors)
-        parts = at_centre[..., part], by_twist[:, :, part], by_factor[..., part]
-        residual[:, rows] = _share_equations(wishes, unknowns, kind, parts, slope[:, rows])
-    return applied, residual, slope
-
-
-def _share_equations(
-    wishes: Wishes,
-    unknowns: FloatArray,
-    kind: int,
-    parts: tuple[FloatArray, FloatArray, FloatArray],
-    slope: FloatArray,
+def _bounded_step(
+    residual: FloatArray, slope: FloatArray, bound: FloatArray, damping: FloatArray
 ) -> FloatArray:
-    """By how much each effector's part along f_o (kind 0) or t_o misses its share ``(batch, n)``.
+    """Steps x ≥ −bound with the smallest ‖slope x + residual‖² + damping ‖x‖².
 
-    ``parts`` are the forces or torques at the centre and their derivatives by twist and factors;
-    those of the misses are written to ``slope``.
+    They are x = max(−bound, −slopeᵀ q) with damping·q = residual + slope x: linear equations for q
+    once it is known where the bound holds, which Newton's method finds in a few changes.
     """
-    value, by_twist, by_factor = parts
-    share = (wishes.force_share, wishes.torque_share)[kind]
-    size, num_effectors = wishes.wrench.shape[-1], share.shape[-1]
-    dimension = wishes.grips.shape[-1]
-    resultant = wishes.wrench[:, dimension:] if kind else wishes.wrench[:, :dimension]
-    length = np.linalg.norm(resultant, axis=-1)
-    asked = ~np.isnan(share[:, :1])
-    direction = resultant / np.where(length > 0.0, length, 1.0)[:, None] * asked
-    none = (share == 0.0) * 1.0
-    first, last = size + (3 + kind) * num_effectors, size + 5 * num_effectors + kind
-    slack = none * unknowns[:, first : first + num_effectors]
-    excess = none.any(axis=-1) * unknowns[:, last]
-    wanted = np.nan_to_num(share)
-    slope[..., :size] = np.einsum("bp,bnpt->bnt", direction, by_twist)
-    each = np.arange(num_effectors)
-    for factor in range(3):
-        along = (by_factor[:, factor] * direction[:, None]).sum(axis=-1)
-        slope[:, each, size + factor * num_effectors + each] = along
-    slope[:, each, first + each] = 2.0 * slack
-    slope[..., last] = -2.0 * wanted * excess[:, None]
-    along = (value * direction[:, None]).sum(axis=-1)
-    return along + slack**2 - wanted * (length + excess**2)[:, None]
-
-
-def _wrenches(
-    wishes: Wishes, twist: FloatArray, factors: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Wrenches at the grips and at the centre ``(batch, n, k)``; the latter's derivatives.
-
-    By the twist ``(batch, n, k, k)`` and by each b, c and d ``(batch, 3, n, k)``.
-    """
-    batch, num_effectors, dimension = wishes.grips.shape
-    size = twist.shape[-1]
-    squares = factors**2
-    length = np.linalg.norm(wishes.grips, axis=-1, keepdims=True)
-    lever = wishes.grips / np.where(length > 0.0, length, 1.0)
-    to_centre = grasp_matrix(wishes.grips).reshape(batch, size, num_effectors, size)
-    to_centre = to_centre.swapaxes(1, 2)[..., :dimension]  # a force as a wrench at the centre
-    moving = to_centre.swapaxes(-1, -2)  # a twist as a velocity at the grip (batch, n, d, k)
-    velocity = np.einsum("bndk,bk->bnd", moving, twist)
-    along = (velocity * lever).sum(axis=-1, keepdims=True) * lever
-    both = velocity + wishes.margin * along
-    force = squares[:, 0, :, None] * both + squares[:, 1, :, None] * along
-    torque = squares[:, 2, :, None] * twist[:, None, dimension:]
-    applied = np.concatenate([force, torque], axis=-1)
-    more = wishes.margin * squares[:, 0] + squares[:, 1]
-    moving_along = lever[..., None] * np.einsum("bnd,bndk->bnk", lever, moving)[:, :, None]
-    force_by_twist = squares[:, 0, :, None, None] * moving + more[..., None, None] * moving_along
-    by_twist = to_centre @ force_by_twist
-    turning = np.arange(dimension, size)
-    by_twist[..., turning, turning] += squares[:, 2, :, None]
-    by_factor = np.zeros((batch, 3, num_effectors, size))
-    by_factor[:, 0] = (to_centre @ both[..., None])[..., 0]
-    by_factor[:, 1] = (to_centre @ along[..., None])[..., 0]
-    by_factor[:, 2, :, dimension:] = twist[:, None, dimension:]
-    by_factor *= 2.0 * factors[..., None]
-    at_centre = applied.copy()
-    at_centre[..., dimension:] += moment(wishes.grips, force)
-    return applied, at_centre, by_twist, by_factor
+    step = np.empty_like(bound)
+    damping = damping + REGULAR * (slope**2).sum(axis=(-1, -2))
+    rows = np.arange(slope.shape[-2])
+    free = np.ones(bound.shape, dtype=np.bool_)
+    active = np.arange(len(slope))
+    for _ in range(MOST_CHANGES):
+        normal = (slope * free[:, None]) @ slope.swapaxes(-1, -2)
+        normal[:, rows, rows] += damping[:, None]
+        held = np.where(free, 0.0, bound)
+        right = residual[..., None] - slope @ held[..., None]
+        unbounded = -(slope.swapaxes(-1, -2) @ np.linalg.solve(normal, right))[..., 0]
+        step[active] = np.maximum(unbounded, -bound)
+        now_free = np.asarray(unbounded > -bound)
+        changed = np.asarray((now_free != free).any(axis=-1))
+        if not changed.any():
+            break
+        active, free, bound = active[changed], now_free[changed], bound[changed]
+        residual, slope, damping = residual[changed], slope[changed], damping[changed]
+    return step
