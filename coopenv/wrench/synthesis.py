@@ -34,18 +34,17 @@ def synthesize(
       across it are searched. Of 76,000 wishes that random wrenches free of internal wrench fulfil
       (2 to 10 effectors, generic and in special positions and motions, both shares or one open;
       16,400 were searched) none is refused, and all come back to 1e-7.
-    - With it, two planar effectors: on a line through the centre of mass every wish that some
-      wrench fulfils; elsewhere, of wishes that random wrenches fulfil, 1 of 1,408 with both shares
-      and 1 of 528 with open ones is refused, and nearly all others come back to 1e-6 of the wrench,
-      where the optimum is flat to 3e-6. Internal force along f_o needs an effector that pulls
-      against f_o, whose share is then 0 (eqs. 9, 25); across f_o it goes with any force share
-      where the line allows.
+    - With it, two planar effectors: all that an optimum allows is written down, as once the
+      internal force is known every constraint is a line. Of 41,000 wishes that random wrenches
+      fulfil, on and off the axis, both shares given or open, none is refused, and all come back
+      to 1e-7. Internal force along f_o needs an effector that pulls against f_o, whose share is
+      then 0 (eqs. 9, 25); across f_o it goes with any force share where the line allows.
 
     Where several splits cost the same, the answer is such that `decompose` returns the wanted one.
-    What is searched takes 20 to 100 ms for a sample alone of two to ten effectors; in batches of
-    wishes without internal wrench 3 to 10 ms a sample for two or three. In vain, including the
-    reason, it takes up to 1 s for two or three effectors without internal wrench, up to 2 s with
-    it, 2 s for ten and 11 s for thirty. The first impossible sample of a batch ends the search.
+    A sample with internal wrench takes about 10 ms alone, 2 to 7 ms in a batch, in vain 25 to 40 ms
+    with the reason. What is searched without takes 20 to 100 ms alone for two to ten effectors, in
+    batches 3 to 10 ms for two or three; in vain up to 1 s for two or three, 2 s for ten, 11 s for
+    thirty. The first impossible sample of a batch ends the search.
 
     Parameters
     ----------
