@@ -140,9 +140,12 @@ def _along(row, system):
 def certify(k, system, sine):
     """Leave `share_torques` as the candidate and return the bound on its suboptimality.
 
-    ν_f = −K f_o/‖f_o‖ with K about 1/sine, ν_t = −c t/‖t‖; ζ = −c v/‖v‖ for forces, ν_t for torques
+    ν_f = −K f_o/‖f_o‖ with K about c/sine, ν_t = −c t/‖t‖; ζ = −c v/‖v‖ for forces, ν_t for torques
+
+    The c of K is what force and the torque that it makes cost: of the two errors in the bound,
+    K sine² and the torque's c²/K, neither may be the larger.
     """
-    _aim(k, system, max(sine, 1e-15))
+    _aim(k, system, (block(k, 0)[PRICE] + block(k, 1)[PRICE]) / max(sine, 1e-15))
     size = max(share_torques(k, system), TINY)
     for r in range(3, 6):
         system[NU, r] = -block(k, 1)[PRICE] * system[NU_STEP, r] / size
@@ -164,12 +167,12 @@ def certify(k, system, sine):
 
 
 @compiled
-def _aim(k, system, sine):
-    """ν_f = −c/sine f_o/‖f_o‖."""
+def _aim(k, system, multiplier):
+    """ν_f = −K f_o/‖f_o‖."""
     _sum(k, system, 0)
     size = max(norm3(system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]), TINY)
     for r in range(3):
-        system[NU, r] = -block(k, 0)[PRICE] / sine * system[NU_STEP, r] / size
+        system[NU, r] = -multiplier * system[NU_STEP, r] / size
         system[NU, r + 3] = 0.0
 
 
@@ -179,7 +182,7 @@ def start_near(k, system, sine):
 
     g = θ f with θ such that s·z is as large as in the other blocks.
     """
-    _aim(k, system, sine)
+    _aim(k, system, block(k, 0)[PRICE] / sine)
     total, number = 0.0, 0
     for i in range(0, num_blocks(k), 2):
         row = block(k, i)

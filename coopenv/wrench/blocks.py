@@ -31,6 +31,7 @@ FIRST_CONE = 54
 WIDTH = FIRST_CONE + 4 * CONE
 
 NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
+LEAST, CHEAP = 1e-14, 1e-9  # the same for torques that cost more than this part of a force
 RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it
 
 
@@ -85,13 +86,14 @@ def cone_of(b, c):
 @compiled
 def fill(k, wrench, grips, w, induced, spare):
     """Write the sample's blocks; return its units of force, length and cost."""
-    full, grip, frame = spare
+    full, grip, frame = spare[0], spare[1], spare[2]
     for i in range(num_chunks(k)):
         b = chunk(k, i)
         for j in range(FIRST_CONE):
             b[j] = 0.0  # the sample before may have left what is not a number
-    force, length = _units(wrench, grips, full, grip)
+    force, length, longest = _units(wrench, grips, full, grip)
     cost = 0.0
+    least = max(LEAST, min(NEGLIGIBLE, CHEAP * (1.0 - w) / (w * length)))
     for i in range(wrench.shape[0]):
         _spread(wrench, grips, i, full, grip)
         for r in range(3):
@@ -99,8 +101,8 @@ def fill(k, wrench, grips, w, induced, spare):
             full[r + 3] /= force * length
             grip[r] /= length
         row, torque = block(k, 2 * i), block(k, 2 * i + 1)
-        _fill_force(row, full, grip, frame, wrench.shape[1] == 3)
-        _fill_torque(torque, full, frame, wrench.shape[1] == 3)
+        _fill_force(row, full, grip, frame, wrench.shape[1] == 3, longest / length)
+        _fill_torque(torque, full, frame, wrench.shape[1] == 3, least)
         row[PRICE], torque[PRICE] = 1.0 - w, w * length
         row[DISC_PRICE] = induced * w * length * norm3(grip[0], grip[1], grip[2])
         if row[CONES] == 3.0 and induced > 0.0:
@@ -116,18 +118,19 @@ def fill(k, wrench, grips, w, induced, spare):
 
 @compiled
 def _units(wrench, grips, full, grip):
-    """Units of force and length such that nothing exceeds 1."""
+    """Units of force and length such that nothing exceeds 1; and the longest lever."""
     force, torque, length = 0.0, 0.0, 0.0
     for i in range(wrench.shape[0]):
         _spread(wrench, grips, i, full, grip)
         force = max(force, norm3(full[0], full[1], full[2]))
         torque = max(torque, norm3(full[3], full[4], full[5]))
         length = max(length, norm3(grip[0], grip[1], grip[2]))
+    longest = length
     if force > 0.0:
         length = max(length, torque / force)
-        return force, (length if length > 0.0 else 1.0)
+        return force, (length if length > 0.0 else 1.0), longest
     length = length if length > 0.0 else 1.0
-    return (torque / length if torque > 0.0 else 1.0), length
+    return (torque / length if torque > 0.0 else 1.0), length, longest
 
 
 @compiled
@@ -145,16 +148,16 @@ def _spread(wrench, grips, i, full, grip):
 
 
 @compiled
-def _fill_force(row, full, grip, frame, planar):
+def _fill_force(row, full, grip, frame, planar, longest):
     x, y, z = full[0], full[1], full[2]
     size, lever = norm3(x, y, z), norm3(grip[0], grip[1], grip[2])
-    has_lever = lever > NEGLIGIBLE
+    has_lever = lever > NEGLIGIBLE * longest
     if has_lever:
-        _set_frame(frame, grip[0] / lever, grip[1] / lever, grip[2] / lever, x, y, z)
+        set_frame(frame, grip[0] / lever, grip[1] / lever, grip[2] / lever, x, y, z)
     elif size > 0.0:
-        _set_frame(frame, x / size, y / size, z / size, 0.0, 0.0, 0.0)
+        set_frame(frame, x / size, y / size, z / size, 0.0, 0.0, 0.0)
     else:
-        _set_frame(frame, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+        set_frame(frame, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     for j in range(2):
         row[V + j] = frame[j, 0] * x + frame[j, 1] * y + frame[j, 2] * z
     row[V + 2] = 0.0
@@ -172,17 +175,17 @@ def _fill_force(row, full, grip, frame, planar):
 
 
 @compiled
-def _fill_torque(row, full, frame, planar):
+def _fill_torque(row, full, frame, planar, least):
     x, y, z = full[3], full[4], full[5]
     size = norm3(x, y, z)
     row[V], row[V + 1], row[V + 2] = size, 0.0, 0.0
     if size > 0.0:
-        _set_frame(frame, x / size, y / size, z / size, 0.0, 0.0, 0.0)
+        set_frame(frame, x / size, y / size, z / size, 0.0, 0.0, 0.0)
     else:
-        _set_frame(frame, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+        set_frame(frame, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     _set_columns(row, frame, 3, 0.0)
     row[FREE], row[CONES] = (1.0 if planar else 3.0), 2.0
-    if size <= NEGLIGIBLE:
+    if size <= least:
         row[FREE], row[CONES] = 0.0, 0.0
 
 
@@ -201,7 +204,7 @@ def _set_columns(row, frame, first, lever):
 
 
 @compiled
-def _set_frame(frame, x, y, z, px, py, pz):
+def set_frame(frame, x, y, z, px, py, pz):
     """Write the rows: the unit vector (x, y, z), the direction of p across it, their product."""
     size = norm3(px, py, pz)
     px, py, pz = _across(x, y, z, px, py, pz)

@@ -17,6 +17,7 @@ from coopenv.wrench.blocks import (
     CONES,
     DISC_PRICE,
     FREE,
+    NEGLIGIBLE,
     PRICE,
     RADIUS,
     V,
@@ -53,10 +54,10 @@ from coopenv.wrench.second_order import TINY, Z
 EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
 EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not corrected
-BALANCED = 1e-13  # largest resultant of an answer's g
+BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a patient one's
 NOISE = 1e-28  # square of an internal part that may point anywhere
 LAG = 4.0  # by which multipliers may still grow
-SLACK = 5e-13  # what `undercut` takes for ε: more than there is, as the multipliers lag behind
+SLACK = 1e-15  # what an answer's own rounding makes it miss from balance of torque
 
 
 @compiled
@@ -143,18 +144,39 @@ def undercut(k, system, saved):
     """Estimate how far below J* an answer's cost may be, as it is right only to rounding.
 
     To miss balance by ε is worth ε‖ν‖, ν being its multipliers: those of force are huge where
-    forces nearly agree, those of torque where only a very short lever could compensate one. To
-    leave a ball by ε is worth ε‖ζ‖. Never more than all that is saved, since J* ≤ J(h).
+    forces nearly agree, those of torque where levers are long or where only a very short lever
+    could compensate one. To leave a ball by ε is worth ε‖ζ‖. Both are measured, and torque counts
+    `SLACK` besides. Never more than all that is saved, since J* ≤ J(h).
     """
     resultant(k, system, ANSWER, NU_STEP)
     square, worth = 0.0, 0.0
-    for r in range(3):
+    for r in range(6):
         worth += abs(system[NU, r] * system[NU_STEP, r])
-        square += system[NU, r + 3] * system[NU, r + 3]
+    for r in range(3, 6):
+        square += system[NU, r] * system[NU, r]
     outside = splat(0.0)
     for i in range(num_chunks(k)):
         outside += _worth_of_excess(chunk(k, i))
     return min(max(saved, 0.0), SLACK * sqrt(square) + LAG * (worth + total(outside)))
+
+
+@compiled
+def neglected(k, system):
+    """What the bound would grow by for the vectors that were left as applied for their size.
+
+    ½ (‖y‖‖v‖ + y·v) for y = Gᵀν + c v/‖v‖: their ball's term where their cost's is 0.
+    """
+    bound = splat(0.0)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        y0, y1, y2 = seen(b, system, NU, i & 1)
+        length = _length(b[V], b[V + 1], 0.0)
+        per_length = 1.0 / larger(length, TINY)
+        y0, y1 = y0 + b[PRICE] * b[V] * per_length, y1 + b[PRICE] * b[V + 1] * per_length
+        y1 += where(b[V + 1] < 0.0, -b[DISC_PRICE], b[DISC_PRICE])
+        left = (b[FREE] < 1.0) & (length <= NEGLIGIBLE)
+        bound += where(left, 0.5 * _defect(y0, y1, y2, b[V], b[V + 1]), 0.0)
+    return total(bound)
 
 
 @inlined
@@ -182,7 +204,7 @@ def _excess(inner, square, radius):
 
 
 @compiled
-def settle(k, system, part, excess):
+def settle(k, system, part, excess, balanced):
     """Make the g at ``part`` an answer: balanced, and in every ball; return J(h) − J.
 
     What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
@@ -198,9 +220,9 @@ def settle(k, system, part, excess):
             break
         _balance(k, system)
         missed = _missed(k, system)
-    if not largest_component(system, NU_STEP) <= BALANCED:
+    if not largest_component(system, NU_STEP) <= balanced:
         spread_evenly(k, system)
-        if not resultant(k, system, ANSWER, NU_STEP) <= BALANCED:
+        if not resultant(k, system, ANSWER, NU_STEP) <= balanced:
             return -np.inf
     room = splat(1.0)
     for i in range(num_chunks(k)):

@@ -80,7 +80,7 @@ def add_resultant(k, i, x, y, z):
     if first == 0:
         for r in range(3, 6):
             c = COLUMNS + r
-            sums(k)[RESULTANT + r] += b[c + 6] * y + b[c + 12] * z
+            sums(k)[RESULTANT + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
 
 
 @compiled
@@ -111,8 +111,9 @@ def seen(b, system, at, torque):
     y0 = b[c] * x + b[c + 1] * y + b[c + 2] * z
     y1 = b[c + 6] * x + b[c + 7] * y + b[c + 8] * z
     y2 = b[c + 12] * x + b[c + 13] * y + b[c + 14] * z
-    if not torque:  # a force makes torque across its lever
+    if not torque:
         x, y, z = system[at, 3], system[at, 4], system[at, 5]
+        y0 += b[c + 3] * x + b[c + 4] * y + b[c + 5] * z
         y1 += b[c + 9] * x + b[c + 10] * y + b[c + 11] * z
         y2 += b[c + 15] * x + b[c + 16] * y + b[c + 17] * z
     return y0, y1, y2

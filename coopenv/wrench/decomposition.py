@@ -190,7 +190,8 @@ class Decomposition:
 
         From the dual program, whatever the solver itself believes. ``solver="structured"`` adds an
         estimate of how far rounding may bring the cost below the optimum: nothing much, but 1e-8 to
-        1e-7 of J(h) where forces nearly agree, and 1e-6 to 1e-5 where a lever is very short.
+        1e-7 of J(h) where forces nearly agree (more beside levers of 10² m and more), and 1e-6 to
+        1e-5 where a lever is very short.
         ``solver="conic"`` adds one, too; its answers balance and fit their balls to rounding of the
         internal wrench, not of the applied.
 

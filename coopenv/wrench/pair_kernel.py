@@ -10,7 +10,7 @@ from coopenv.wrench.kernels import COMPILED, TINY, gufunc
 
 TIE = 1e-12  # relative surcharge on pure torque: among equal costs the smallest Σ‖t_M‖ wins
 LEVEL = 1e-14  # a derivative across the lens this small is rounding
-FINE = 1e-17  # by how much a force may be off, where its lever is not longer than 1
+FINE = 1e-17  # by how much the largest may be off
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
 
 
@@ -180,6 +180,14 @@ def _piece(forces, applied_torque, lever, v):
 
 
 @njit(**COMPILED)
+def _resolution(forces, lever):
+    """By how much v may be off: rounding of the forces, and of what it makes of the torque."""
+    f1x, f1y, f2x, f2y = forces
+    largest = max(max(abs(f1x), abs(f1y)), max(abs(f2x), abs(f2y)))
+    return FINE * largest / (1.0 + abs(lever))
+
+
+@njit(**COMPILED)
 def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, a2):
     """Minimiser v of the convex cost on [low, high]; exact where it is a kink or an end."""
     edges = _edges(forces, low, high, no_torque, a1, a2)
@@ -193,7 +201,7 @@ def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, 
             return left
         slope_right = _slope(right, case)
         if slope_right > 0.0:
-            resolution = FINE / (1.0 + abs(lever))
+            resolution = _resolution(forces, lever)
             return _root(left, slope_left, right, slope_right, case, resolution)
     return high
 

@@ -7,7 +7,7 @@ from numba import njit
 
 from coopenv.wrench.bracketed_root import root_of
 from coopenv.wrench.kernels import COMPILED, TINY, gufunc
-from coopenv.wrench.pair_kernel import FINE, LEVEL, TIE, _in_line, _left, _slice, _write
+from coopenv.wrench.pair_kernel import LEVEL, TIE, _in_line, _left, _resolution, _slice, _write
 
 ROUNDING = 4e-16  # of a number, relative to what it is the difference of
 MAX_HALVINGS = 200  # 60 find a number of ordinary size, the others one of 1e-40
@@ -172,7 +172,7 @@ def _best_v(case, torques):
     if high <= low:
         return low
     lever = max(abs(a1), abs(a2)) + abs(height)
-    resolution = FINE * abs(height) / lever / (1.0 + a1 - a2)
+    resolution = _resolution(forces, a1 - a2) * abs(height) / lever
     # the signs at the ends are not asked for: at v = 0, where one may be, all constraints meet
     v = _root(low, -1.0, high, 1.0, case, resolution)
     return v if abs(v) > 2.0 * resolution else 0.0
