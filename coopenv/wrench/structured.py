@@ -20,9 +20,8 @@ thin, rounding is worth its root: 1e-8 to 1e-7 of the cost where forces agree bu
 and 1e-6 to 1e-5 where a lever is very short. The answer may be cheaper than the optimum by that
 much; the gap contains an estimate of it (`certificate.undercut`).
 
-With levers and torque/force each anywhere from 10⁻⁶ to 10⁶ m, the gap is above 1e-7 of the cost for
-one ordinary wrench in 2,000, nearly all of them with torques below 1e-6 of what the levers make of
-the forces, or the reverse; it is then mostly 1e-6 to 1e-4, and for one in 30,000 up to a third.
+With levers from 10⁻⁶ to 10⁶ m and torques from 10⁻⁶ to 10⁶ times what they make of the forces, none
+of 137,160 random wrenches keeps a gap above 1e-7 of the cost; beyond, up to 10¹², one in 3,000 does.
 Where forces agree but for 1e-9, levers of 10² m and more leave gaps of 1e-6 and more (10⁴ m: 1e-4).
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.

@@ -37,22 +37,18 @@ def _find(wish: Wish) -> FloatArray:
     wanted = _in_frame(wish, axis, units)
     with np.errstate(all="ignore"):  # a candidate that does not exist is NaN or infinite
         manipulation = _candidates(wanted, synthesis_points.points(wanted))
-        good = _is_plausible(wanted, manipulation)
-        sample, number = np.nonzero(good)
+        sample, number = np.nonzero(_is_plausible(wanted, manipulation))
         tried = _turned_back(manipulation[sample, number], axis[sample]) * units[sample, None]
     tried = tried + wish.internal[sample]
     miss = share_miss(tried, wish.rows(sample))
     shared = miss <= FOUND
     miss[shared] = _internal_miss(tried[shared], axis, wish, sample[shared])
-    size = np.where(miss <= FOUND, np.abs(tried).max(axis=(-1, -2)), np.inf)
-    cost = np.full(good.shape, np.inf)
-    cost[sample, number] = size
-    place = np.zeros(good.shape, dtype=np.int64)
-    place[sample, number] = np.arange(len(sample))
-    rows, best = np.arange(len(good)), cost.argmin(axis=-1)
-    found = np.isfinite(cost[rows, best])
+    found = np.flatnonzero(miss <= FOUND)
+    size = np.abs(tried[found]).max(axis=(-1, -2))
+    found = found[np.lexsort((size, sample[found]))]
+    rows, first = np.unique(sample[found], return_index=True)
     answer = np.full(wish.internal.shape, np.nan)
-    answer[found] = tried[place[rows, best][found]]
+    answer[rows] = tried[found[first]]
     return answer
 
 
