@@ -1,4 +1,4 @@
-"""What an answer of the structured solver is worth: costs, the dual bound, the way back into balls.
+"""What an answer of the structured solver is worth: what it saves, the dual bound, rounding.
 
 For any multipliers ν of balance and any ζ in the dual cones of costs (‖ζ‖ ≤ c) and discs, with
 ζ_ball = Gᵀν − Σ ζ_cost − ζ_disc, the optimum obeys
@@ -9,8 +9,6 @@ by weak duality; every term is ≥ 0 and is evaluated without cancellation. Cost
 """
 
 from math import sqrt
-
-import numpy as np
 
 from coopenv.wrench.blocks import (
     ANSWER,
@@ -29,13 +27,9 @@ from coopenv.wrench.blocks import (
 from coopenv.wrench.coupling import (
     NU,
     NU_STEP,
-    largest_component,
     resultant,
     seen,
-    solve_system,
-    spread_evenly,
 )
-from coopenv.wrench.curvature import under_hessian
 from coopenv.wrench.lanes import (
     compiled,
     inlined,
@@ -43,18 +37,12 @@ from coopenv.wrench.lanes import (
     largest,
     root,
     size,
-    smaller,
-    smallest,
     splat,
     total,
     where,
 )
 from coopenv.wrench.second_order import TINY, Z
 
-EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
-LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
-EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not corrected
-BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a patient one's
 NOISE = 1e-28  # square of an internal part that may point anywhere
 LAG = 4.0  # by which multipliers may still grow
 SLACK = 1e-15  # what an answer's own rounding makes it miss from balance of torque
@@ -182,105 +170,22 @@ def neglected(k, system):
 @inlined
 def _worth_of_excess(b):
     """ε‖ζ‖ of the balls and discs that the candidate leaves by ε, of four blocks."""
-    inner, square = _products(b)
-    ball = _excess(inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER], b[RADIUS])
-    disc = _excess(inner, square, 0.5 * size(b[V + 1]))
+    inner, square = products(b)
+    ball = leaving(inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER], b[RADIUS])
+    disc = leaving(inner, square, 0.5 * size(b[V + 1]))
     worth = where(b[CONES] > 1.0, ball * cone_of(b, 1)[Z], 0.0)
     return worth + where(b[CONES] > 2.0, disc * cone_of(b, 2)[Z], 0.0)
 
 
 @inlined
-def _products(b):
+def products(b):
     """Without the first coordinate: g·v and ‖g‖² of the candidate."""
     g1, g2 = b[ANSWER + 1], b[ANSWER + 2]
     return g1 * b[V + 1], g1 * g1 + g2 * g2
 
 
 @inlined
-def _excess(inner, square, radius):
+def leaving(inner, square, radius):
     """By how much one ball is left, from g·v and ‖g‖²; accurate near 0."""
     out = larger(square - inner, 0.0)
     return out / larger(root(out + radius * radius) + radius, TINY)
-
-
-@compiled
-def settle(k, system, part, excess, balanced):
-    """Make the g at ``part`` an answer: balanced, and in every ball; return J(h) − J.
-
-    What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
-    by shrinking everything towards 0, which keeps the balance: ‖θg‖² ≤ θ g·v.
-    """
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        for j in range(3):
-            b[ANSWER + j] = b[part + j]
-    missed = _missed(k, system)
-    for _ in range(6):
-        if missed <= EVENED:
-            break
-        _balance(k, system)
-        missed = _missed(k, system)
-    if not largest_component(system, NU_STEP) <= balanced:
-        spread_evenly(k, system)
-        if not resultant(k, system, ANSWER, NU_STEP) <= balanced:
-            return -np.inf
-    room = splat(1.0)
-    for i in range(num_chunks(k)):
-        room = smaller(_room(chunk(k, i), excess), room)
-    shrink = smallest(room)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        for j in range(3):
-            b[ANSWER + j] *= shrink
-    return saving(k, ANSWER)
-
-
-@compiled
-def _missed(k, system):
-    """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
-    resultant(k, system, ANSWER, NU_STEP)
-    force, torque = splat(0.0), splat(0.0)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        own = larger(larger(size(b[ANSWER]), size(b[ANSWER + 1])), size(b[ANSWER + 2]))
-        own = where(b[FREE] > 0.0, own, 0.0)
-        if i & 1:
-            torque = larger(own, torque)
-        else:
-            force = larger(own, force)
-    unit = largest(force)
-    missed = 0.0
-    for r in range(6):
-        if r == 3:
-            unit = max(unit, largest(torque))
-        missed = max(missed, abs(system[NU_STEP, r]) / max(unit, TINY))
-    return missed
-
-
-@compiled
-def _balance(k, system):
-    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
-    solve_system(system)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        x, y, z = under_hessian(b, *seen(b, system, NU_STEP, i & 1))
-        b[ANSWER] += x
-        b[ANSWER + 1] += y
-        b[ANSWER + 2] += z
-
-
-@inlined
-def _room(b, excess):
-    """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
-    inner, square = _products(b)
-    whole = square + b[ANSWER] * b[ANSWER]
-    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess)
-    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess)
-    return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
-
-
-@inlined
-def _room_of(inner, square, radius, excess):
-    """Largest θ ≤ 1 for one ball, from g·v and ‖g‖²."""
-    outside = _excess(inner, square, radius) > excess
-    return where((square > NOISE) & outside, larger(inner, 0.0) / square, 1.0)

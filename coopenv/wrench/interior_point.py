@@ -7,12 +7,12 @@ import numpy as np
 from coopenv.wrench.agreement import certify, disagreement, share_torques, start_near
 from coopenv.wrench.blocks import ANSWER, CONES, KEPT, G, chunk, num_chunks
 from coopenv.wrench.central_start import start
-from coopenv.wrench.certificate import BALANCED, EVENLY, EXCESS, LOOSE, settle
 from coopenv.wrench.coupling import BALANCE, largest_component, mark_alive
 from coopenv.wrench.faces import fix_immovable
 from coopenv.wrench.lanes import compiled, splat, total
 from coopenv.wrench.newton import improve, predict
 from coopenv.wrench.progress import measure
+from coopenv.wrench.settling import BALANCED, EVENLY, EXCESS, LOOSE, settle
 
 PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
 THIN = 0.05  # sine below which they nearly agree

@@ -23,6 +23,7 @@ from coopenv.wrench import (
     newton,
     progress,
     second_order,
+    settling,
 )
 from coopenv.wrench.agreement import share_needed
 from coopenv.wrench.alignment import align, turn_back
@@ -46,6 +47,7 @@ FILES = (
     newton,
     progress,
     second_order,
+    settling,
 )  # all that goes into the compiled code
 LINE = 64  # bytes to which memory is aligned
 WANTED = 1e-8  # gap, relative to J(h), above which a second attempt is made
