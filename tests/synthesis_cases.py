@@ -14,11 +14,18 @@ def assert_comes_back(applied, grips, wanted, internal=NOTHING, force=None, torq
 
 
 def miss(applied, grips, wanted, internal=NOTHING, force=None, torque=None, **cost) -> FloatArray:
-    """By how much wrenches miss what was wanted, relative to their size."""
+    """By how much wrenches miss what was wanted, in parts of what is applied.
+
+    A torque counts as the force that makes it at the longest lever.
+    """
     d = wrench.decompose(applied, grips, **cost)
-    size = np.abs(applied).max(axis=(-1, -2)) + 1e-300
-    off = np.abs(d.object_wrench - wanted).max(axis=-1) / size
-    off = np.maximum(off, np.abs(d.internal - internal).max(axis=(-1, -2)) / size)
+    length = np.linalg.norm(grips, axis=-1).max(axis=-1)
+    units = np.ones((*length.shape, np.shape(applied)[-1]))
+    units[..., np.shape(grips)[-1] :] = np.where(length > 0.0, length, 1.0)[..., None]
+    size = np.abs(applied / units[..., None, :]).max(axis=(-1, -2)) + 1e-300
+    off = np.abs((d.object_wrench - wanted) / units).max(axis=-1) / size
+    inside = np.abs((d.internal - internal) / units[..., None, :]).max(axis=(-1, -2))
+    off = np.maximum(off, inside / size)
     for found, share in zip(d.load_share, (force, torque), strict=True):
         if share is not None:
             asked = ~np.isnan(share)

@@ -104,7 +104,8 @@ def test_wrenches_of_virtual_masses_are_free_of_internal_wrench(
         virtual_masses=masses,
         virtual_inertias=rng.uniform(0.5, 2.0, num_effectors),
     )
-    d = wrench.decompose(applied, grips, include_induced=include_induced)
-    assert not d.fell_back.any()
-    assert d.relative_cost.max() <= 1e-7  # the feasible set is a point: √ of the rounding
-    np.testing.assert_allclose(d.manipulation, applied, atol=1e-3)
+    for weight in (0.05, 0.5, 0.95):
+        d = wrench.decompose(applied, grips, torque_weight=weight, include_induced=include_induced)
+        assert not d.fell_back.any()
+        assert d.relative_cost.max() <= 1e-7  # the feasible set is a point: √ of the rounding
+        np.testing.assert_allclose(d.manipulation, applied, atol=1e-3)

@@ -12,7 +12,7 @@ from coopenv.wrench.faces import fix_immovable
 from coopenv.wrench.lanes import compiled, splat, total
 from coopenv.wrench.newton import improve, predict
 from coopenv.wrench.progress import measure
-from coopenv.wrench.settling import BALANCED, EVENLY, EXCESS, LOOSE, settle
+from coopenv.wrench.settling import BALANCED, EVENLY, EXCESS, LOOSE, clear, settle
 
 PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
 THIN = 0.05  # sine below which they nearly agree
@@ -114,10 +114,7 @@ def _best_answer(k, system, bound, shared, kept, iterated, balanced):
     if shared <= bound:
         share_torques(k, system)
         return shared
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        for j in range(3):
-            b[ANSWER + j] = 0.0
+    clear(k)
     return bound
 
 

@@ -54,12 +54,13 @@ def prepare(
     worth = ROUNDING * np.abs(axis[..., 2:]).max(axis=-1) / np.abs(axis[..., 4])
 
     def solve(applied: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-        """Manipulation wrenches, and as gaps what rounding may be worth; nothing falls back.
+        """Manipulation wrenches, gaps, and that nothing falls back.
 
-        Near the axis a small change of v changes much of u along the levers.
+        The minimum of a convex function is bracketed: the gap is the bracket's width times how
+        steep the cost can be. Near the axis a small change of v changes much of u along the levers.
         """
         if axis.ndim == 1 and applied.ndim == 3:
-            manipulation = np.empty_like(applied)
+            manipulation = np.empty(applied.shape)
             on_all_cores(
                 lambda part: write(part, manipulation, applied), len(applied), WORTH_A_THREAD
             )

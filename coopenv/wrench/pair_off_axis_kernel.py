@@ -128,14 +128,16 @@ def _interval(forces, t1, t2, distance):
 @njit(**COMPILED)
 def _best_u(v, case):
     """The best u at height v; where rounding leaves none, one in the discs, as strips are steep."""
-    low, high, at_low, at_high = _ends(v, case)
+    low, high, _, _ = _ends(v, case)
     if low <= high:
         return _best(v, low, high, case)[0]
-    if at_low >= 2 and at_high < 2:
-        return high
-    if at_low < 2 and at_high >= 2:
-        return low
-    return 0.5 * (low + high)
+    f1x, f1y, f2x, f2y = case[0]
+    low1, high1 = _slice(v, f1x, f1y)
+    low2, high2 = _slice(v, -f2x, -f2y)
+    left, right = max(low1, low2), min(high1, high2)
+    if left > right:
+        return 0.5 * (left + right)
+    return min(max(0.5 * (low + high), left), right)
 
 
 @njit(**COMPILED)

@@ -73,6 +73,30 @@ def settle(k, system, part, excess, balanced):
 
 
 @compiled
+def clear(k):
+    """Leave what was applied as the answer."""
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(3):
+            b[ANSWER + j] = 0.0
+
+
+@compiled
+def fit(k):
+    """Draw each torque of the answer back into its own ball, which `settle` lets it leave.
+
+    By no more than `EXCESS` or `LOOSE`, which balance hardly notices, but a small torque does.
+    """
+    for i in range(1, num_chunks(k), 2):
+        b = chunk(k, i)
+        inner, square = products(b)
+        inner, square = inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER]
+        room = _room_of(inner, square, b[RADIUS], 0.0, TINY)
+        for j in range(3):
+            b[ANSWER + j] *= room
+
+
+@compiled
 def _missed(k, system):
     """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
     resultant(k, system, ANSWER, NU_STEP)
@@ -111,13 +135,13 @@ def _room(b, excess):
     """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
     inner, square = products(b)
     whole = square + b[ANSWER] * b[ANSWER]
-    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess)
-    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess)
+    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess, NOISE)
+    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess, NOISE)
     return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
 
 
 @inlined
-def _room_of(inner, square, radius, excess):
-    """Largest θ ≤ 1 for one ball, from g·v and ‖g‖²."""
+def _room_of(inner, square, radius, excess, noise):
+    """Largest θ ≤ 1 for one ball, from g·v and ‖g‖², where that is more than noise."""
     outside = leaving(inner, square, radius) > excess
-    return where((square > NOISE) & outside, larger(inner, 0.0) / square, 1.0)
+    return where((square > noise) & outside, larger(inner, 0.0) / larger(square, TINY), 1.0)

@@ -4,14 +4,15 @@ A primal-dual interior-point method (`interior_point`). The effectors are couple
 balance of force and torque, so every Newton step comes down to one system of 6 equations
 (`newton`); four effectors are treated at once (`lanes`). Where the forces agree (`agreement`),
 which is the most common state of a good team, the feasible set has no interior and the answer is
-written down instead. Every answer is balanced and inside every ball to rounding and carries a bound
+written down instead; so it is where all that would be internal, 1e-5 of the cost at most, may be
+rounding. Every answer is balanced and inside every ball to rounding and carries a bound
 on its suboptimality from the dual program (`certificate`). A sample whose bound is worse than
 1e-8 is tried again with shorter, more central steps, balance being taken about the middle of the
 grips (`alignment`); one still worse than `ACCEPTED` is also given to `conic`. The answer with the
 better bound is kept.
 
 Two effectors in the plane leave one unknown. Off the axis it is closed in on to the last digit
-(`pair_off_axis`); the bound is what rounding may be worth.
+(`pair_off_axis`); the bound is the width of the bracket times the steepest slope of the cost.
 
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest (1e-14
 where a torque's cost is no trifle) are left as applied, which the gap counts, a force within 1e-11
@@ -34,7 +35,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import SolverError
-from coopenv.wrench import conic, pair_off_axis
+from coopenv.wrench import conic, pair, pair_off_axis
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.structured_kernel import solve_batch
 
@@ -72,14 +73,17 @@ def _solve_some(
     """Solve for planar pairs of which some are on the axis and some are not."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows, places = _rows(applied, batch), _rows(grips, batch)
-    manipulation, gap = np.empty_like(rows), np.empty(len(rows))
-    fell_back = np.empty(len(rows), dtype=np.bool_)
+    manipulation, gap = np.empty(rows.shape), np.zeros(len(rows))
+    fell_back = np.zeros(len(rows), dtype=np.bool_)
     off_axis = pair_off_axis.applies(places)
-    for chosen, solve in (
-        (off_axis, pair_off_axis.prepare(places[off_axis], settings)),
-        (~off_axis, partial(_solve, places[~off_axis], settings)),
-    ):
-        manipulation[chosen], gap[chosen], fell_back[chosen] = solve(rows[chosen])
+    on_axis = ~off_axis
+    solve = pair_off_axis.prepare(places[off_axis], settings)
+    manipulation[off_axis], gap[off_axis], _ = solve(rows[off_axis])
+    if settings.solver == "auto":  # as it would choose for these alone
+        manipulation[on_axis] = pair.prepare(places[on_axis], settings)(rows[on_axis])[0]
+    else:
+        part = _solve(places[on_axis], settings, rows[on_axis])
+        manipulation[on_axis], gap[on_axis], fell_back[on_axis] = part
     shape = (*batch, *applied.shape[-2:])
     return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
 
@@ -136,7 +140,7 @@ def iterate(
     """
     # one signature to compile for: C order, writeable
     applied, grips = (np.require(array, requirements=["C", "W"]) for array in (applied, grips))
-    manipulation, report = np.empty_like(applied), np.empty((len(applied), 5))
+    manipulation, report = np.empty(applied.shape), np.empty((len(applied), 5))
     weight, induced = settings.torque_weight, float(settings.include_induced)
 
     def solve(part: slice) -> None:

@@ -31,6 +31,7 @@ from coopenv.wrench.blocks import WIDTH, chunks_for, fill, write
 from coopenv.wrench.certificate import neglected, saving, undercut
 from coopenv.wrench.interior_point import solve
 from coopenv.wrench.lanes import compiled
+from coopenv.wrench.settling import clear, fit
 
 FILES = (
     agreement,
@@ -50,6 +51,7 @@ FILES = (
     settling,
 )  # all that goes into the compiled code
 LINE = 64  # bytes to which memory is aligned
+TRIFLE = 1e-5  # part of J(h) that is not called internal if all of it may be rounding
 WANTED = 1e-8  # gap, relative to J(h), above which a second attempt is made
 
 
@@ -67,9 +69,10 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
         if cost > 0.0:
             steps, gap = solve(k, system, tolerance, patient)
             share_needed(k, system)
-        unit, saved = cost * force, saving(k, blocks.ANSWER)
-        slack = neglected(k, system) if cost > 0.0 else 0.0
-        slack += undercut(k, system, saved) if steps > 0 else 0.0
+        unit, saved, slack = cost * force, saving(k, blocks.ANSWER), 0.0
+        if steps > 0:
+            gap, saved, slack = _weighed(k, system, gap, saved)
+        slack += neglected(k, system) if cost > 0.0 else 0.0
         if patient:
             if not (gap + slack) * unit < report[0] + report[4]:
                 return
@@ -77,6 +80,19 @@ def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipu
         write(k, wrench, force, length, manipulation)
         report[0], report[1] = gap * unit, unit
         report[2], report[3], report[4] = (1.0 - saved) * unit, steps, slack * unit
+
+
+@compiled
+def _weighed(k, system, gap, saved):
+    """Return gap, saving and slack of the answer; a trifle that may be rounding is taken back."""
+    fit(k)
+    left = saving(k, blocks.ANSWER)
+    gap += max(saved - left, 0.0)
+    slack = undercut(k, system, left)
+    if slack < left or left > TRIFLE:
+        return gap, left, slack
+    clear(k)
+    return gap + left, 0.0, 0.0
 
 
 @lanes.in_llvm

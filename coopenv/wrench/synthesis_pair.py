@@ -19,6 +19,7 @@ from coopenv.wrench.measure_kernels import load_share_kernel
 from coopenv.wrench.pair import _axis
 from coopenv.wrench.pair_kernel import decompose_pair
 from coopenv.wrench.polynomials import product, real_roots
+from coopenv.wrench.synthesis_wish import internal_miss
 
 NUM_PATHS = 6
 ALLOWED = 1e-9  # by how much a candidate may miss plausibility or shares before it is decomposed
@@ -262,8 +263,8 @@ def _best(applied: FloatArray, internal: FloatArray, good: BoolArray, wish: Wish
     axis[:, 0], axis[:, 2:] = 1.0, wish.lever[sample]
     found = tried - decompose_pair(tried, axis, np.array(wish.weights))
     size = np.abs(tried).max(axis=(-1, -2))
-    off = np.abs(found - internal[sample, 0]).max(axis=(-1, -2))
-    size[off > FOUND * np.maximum(size, 1e-300)] = np.inf
+    length = np.abs(wish.lever).max(axis=-1)[sample]
+    size[internal_miss(found, internal[sample, 0], tried, length) > FOUND] = np.inf
     cost = np.full(good.shape, np.inf)
     cost[sample, candidate] = size
     cost[np.isnan(cost)] = np.inf

@@ -15,7 +15,7 @@ from coopenv.wrench import synthesis_points
 from coopenv.wrench.pair_off_axis import frame
 from coopenv.wrench.pair_off_axis_kernel import decompose_off_axis
 from coopenv.wrench.synthesis_points import PlanarWish, cross, keeping, torque_left
-from coopenv.wrench.synthesis_wish import Wish, share_miss
+from coopenv.wrench.synthesis_wish import Wish, internal_miss, share_miss
 
 ALLOWED = 1e-7  # by how much a candidate may miss plausibility or shares before it is decomposed
 FOUND = 1e-7  # by how much its decomposition may miss what is wanted, relative to the wrench
@@ -58,8 +58,8 @@ def _internal_miss(
     """By how much what is decomposed misses what is wanted, relative to what is applied."""
     weights = np.array([wish.settings.torque_weight, float(wish.settings.include_induced)])
     internal = applied - decompose_off_axis(applied, axis[sample], weights)
-    size = np.maximum(np.abs(applied).max(axis=(-1, -2)), 1e-300)
-    return np.abs(internal - wish.internal[sample]).max(axis=(-1, -2)) / size
+    length = np.hypot(wish.grips[..., 0], wish.grips[..., 1]).max(axis=-1)[sample]
+    return internal_miss(internal, wish.internal[sample], applied, length)
 
 
 def _units(wish: Wish) -> FloatArray:

@@ -17,7 +17,7 @@ from coopenv.wrench import (
     synthesis_twist,
 )
 from coopenv.wrench.decomposition import Decomposer
-from coopenv.wrench.synthesis_wish import Wish, share_miss
+from coopenv.wrench.synthesis_wish import Wish, internal_miss, share_miss
 
 FOUND = 1e-7  # by how much an answer may miss what is wanted: shares, and parts of the wrench
 ROUNDS = ((8, 30), (24, 40), (32, 60), (32, 60), (32, 60))  # starts, steps
@@ -126,6 +126,6 @@ def _smallest(found: FloatArray, wish: Wish) -> FloatArray:
 def _miss(applied: FloatArray, wish: Wish) -> FloatArray:
     """By how much decompositions miss wishes: shares, and parts of the wrench."""
     found = Decomposer(wish.grips, wish.settings)(applied)
-    size = np.maximum(np.abs(applied).max(axis=(-1, -2)), 1e-300)
-    miss = np.abs(found.internal - wish.internal).max(axis=(-1, -2)) / size
+    length = np.linalg.norm(wish.grips, axis=-1).max(axis=-1)
+    miss = internal_miss(found.internal, wish.internal, applied, length)
     return np.maximum(miss, share_miss(applied, wish))

@@ -39,3 +39,17 @@ def share_miss(applied: FloatArray, wish: Wish) -> FloatArray:
         off = np.where(np.isnan(wanted), 0.0, np.abs(reached - wanted))
         miss = np.maximum(miss, np.where(np.isnan(off), np.inf, off).max(axis=-1))
     return miss
+
+
+def internal_miss(
+    found: FloatArray, wanted: FloatArray, applied: FloatArray, length: FloatArray
+) -> FloatArray:
+    """By how much internal wrenches ``(batch, n, k)`` miss, in parts of what is applied.
+
+    A torque counts as the force that makes it at the longest lever, ``length`` ``(batch,)``.
+    """
+    dimension = applied.shape[-1] // 3 + 1
+    units = np.ones((len(applied), 1, applied.shape[-1]))
+    units[:, 0, dimension:] = np.where(length > 0.0, length, 1.0)[:, None]
+    size = np.abs(applied / units).max(axis=(-1, -2))
+    return np.abs((found - wanted) / units).max(axis=(-1, -2)) / np.maximum(size, 1e-300)
