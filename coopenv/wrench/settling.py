@@ -35,6 +35,7 @@ from coopenv.wrench.lanes import (
 from coopenv.wrench.second_order import TINY
 
 EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
+OWN_EXCESS = 1e-10  # [radii] by which a torque may leave its ball in the end
 LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
 EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not corrected
 BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a patient one's
@@ -83,15 +84,15 @@ def clear(k):
 
 @compiled
 def fit(k):
-    """Draw each torque of the answer back into its own ball, which `settle` lets it leave.
+    """Draw torques of the answer that leave their balls by a part of themselves back into them.
 
-    By no more than `EXCESS` or `LOOSE`, which balance hardly notices, but a small torque does.
+    By no more than `EXCESS` or `LOOSE`, which balance hardly notices.
     """
     for i in range(1, num_chunks(k), 2):
         b = chunk(k, i)
         inner, square = products(b)
         inner, square = inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER]
-        room = _room_of(inner, square, b[RADIUS], 0.0, TINY)
+        room = _room_of(inner, square, b[RADIUS], OWN_EXCESS * b[RADIUS], TINY)
         for j in range(3):
             b[ANSWER + j] *= room
 
