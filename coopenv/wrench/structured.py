@@ -5,11 +5,11 @@ balance of force and torque, so every Newton step comes down to one system of 6 
 (`newton`); four effectors are treated at once (`lanes`). Where the forces agree (`agreement`),
 which is the most common state of a good team, the feasible set has no interior and the answer is
 written down instead; so it is where all that would be internal, 1e-5 of the cost at most, may be
-rounding. Every answer is balanced and inside every ball to rounding and carries a bound
-on its suboptimality from the dual program (`certificate`). A sample whose bound is worse than
-1e-8 is tried again with shorter, more central steps, balance being taken about the middle of the
-grips (`alignment`); one still worse than `ACCEPTED` is also given to `conic`. The answer with the
-better bound is kept.
+rounding. Every answer is balanced and inside every ball to rounding and carries a bound on its
+suboptimality from the dual program (`certificate`). A sample whose bound is worse than 1e-8 is
+tried again with shorter, more central steps, balance being taken about the middle of the grips
+(`alignment`); one still worse than `ACCEPTED` is also given to `conic`. The answer with the better
+bound is kept.
 
 Two effectors in the plane leave one unknown. Off the axis it is closed in on to the last digit
 (`pair_off_axis`); the bound is the width of the bracket times the steepest slope of the cost.
