@@ -52,13 +52,13 @@ def test_conic_finds_the_same_cost_within_its_bound(include_induced):
             assert (np.abs(d.cost - other.cost) <= allowed).all(), name
 
 
-def test_agreeing_effectors_keep_their_wrench_to_the_last_bit():
+def test_agreeing_effectors_keep_their_wrench_to_rounding():
     rng = np.random.default_rng(3)
     force, share = rng.normal(size=(500, 1, 2)), rng.random((500, 2, 1))
     torque = rng.random((500, 2, 1)) * rng.choice([-1.0, 1.0], (500, 1, 1))
     applied = np.concatenate([force * share, torque], axis=-1)
     d = wrench.decompose(applied, GRIPS)
-    np.testing.assert_allclose(d.manipulation, applied, rtol=0, atol=4e-16 * np.abs(applied).max())
+    np.testing.assert_allclose(d.manipulation, applied, rtol=0, atol=4e-16)
     assert d.relative_cost.max() <= 1e-15
 
 

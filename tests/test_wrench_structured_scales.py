@@ -63,7 +63,7 @@ def scaled(applied, torque_decade, dimension):
 )
 def test_levers_and_torques_of_any_size_are_certified(decades, count, dimension, num_effectors):
     rng = np.random.default_rng([dimension, num_effectors])
-    bound, fell_back = [], []
+    bound, ordinary, fell_back = [], [], []
     for lever, torque in itertools.product(decades, decades):
         applied = rng.normal(size=(count, num_effectors, 3 * dimension - 3))
         grips = rng.normal(size=(count, num_effectors, dimension)) * 10.0**lever
@@ -74,6 +74,9 @@ def test_levers_and_torques_of_any_size_are_certified(decades, count, dimension,
             if SENSIBLE**-1 <= 10.0 ** (lever - torque) <= SENSIBLE:
                 bound.append(d.gap / d.applied_cost)
                 fell_back.append(d.fell_back)
+            if abs(lever - torque) <= 6:
+                ordinary.append(d.gap / d.applied_cost)
+    assert np.concatenate(ordinary).max() <= CERTIFIED
     doubtful = np.concatenate(bound) > CERTIFIED
     assert doubtful.mean() <= 2e-3  # all of them near the sensible ratios' ends
     assert (np.concatenate(bound) > 1e-5).mean() <= 1e-3

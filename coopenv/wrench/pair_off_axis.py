@@ -56,8 +56,9 @@ def prepare(
     def solve(applied: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
         """Manipulation wrenches, gaps, and that nothing falls back.
 
-        The minimum of a convex function is bracketed: the gap is the bracket's width times how
-        steep the cost can be. Near the axis a small change of v changes much of u along the levers.
+        The minimum of a convex function is bracketed: the gap is how wide the bracket can be in the
+        end times how steep the cost. Near the axis a small change of v changes u a lot along the
+        levers.
         """
         if axis.ndim == 1 and applied.ndim == 3:
             manipulation = np.empty(applied.shape)

@@ -35,7 +35,7 @@ def synthesize(
       (2 to 10 effectors, generic and in special positions and motions, both shares or one open;
       16,400 were searched) none is refused, and all come back to 1e-7.
     - With it, two planar effectors: all that an optimum allows is written down, as once the
-      internal force is known every constraint is a line. Of 41,000 wishes that random wrenches
+      internal force is known every constraint is a line. Of 37,000 wishes that random wrenches
       fulfil, on and off the axis, both shares given or open, none is refused, and all come back
       to 1e-7. Internal force along f_o needs an effector that pulls against f_o, whose share is
       then 0 (eqs. 9, 25); across f_o it goes with any force share where the line allows.

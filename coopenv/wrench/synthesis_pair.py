@@ -19,7 +19,7 @@ from coopenv.wrench.measure_kernels import load_share_kernel
 from coopenv.wrench.pair import _axis
 from coopenv.wrench.pair_kernel import decompose_pair
 from coopenv.wrench.polynomials import product, real_roots
-from coopenv.wrench.synthesis_wish import internal_miss
+from coopenv.wrench.synthesis_wish import internal_miss, into_frame, out_of_frame
 
 NUM_PATHS = 6
 ALLOWED = 1e-9  # by how much a candidate may miss plausibility or shares before it is decomposed
@@ -64,9 +64,9 @@ def find(
     """
     axis = _axis(grips)
     wish = Wish(
-        _turned(wanted[:, :2], axis),
+        into_frame(wanted[:, :2], axis),
         wanted[:, 2],
-        _turned(internal[:, 0, :2], axis),
+        into_frame(internal[:, 0, :2], axis),
         internal[..., 2],
         force_share,
         torque_share,
@@ -78,7 +78,7 @@ def find(
     if missing.any():
         rest = wish._replace(**{name: getattr(wish, name)[missing] for name in Wish._fields[:-1]})
         answer[missing] = _search(rest, thorough=True)
-    return _turned_back(answer, axis)
+    return out_of_frame(answer, axis)
 
 
 def _search(wish: Wish, thorough: bool) -> FloatArray:
@@ -92,18 +92,6 @@ def _search(wish: Wish, thorough: bool) -> FloatArray:
         applied = manipulation + internal
         good = _is_plausible(manipulation, internal, wish) & _has_shares(applied, line, wish)
     return _best(applied, internal, good, wish)
-
-
-def _turned(vectors: FloatArray, axis: FloatArray) -> FloatArray:
-    c, s = axis[:, 0], axis[:, 1]
-    x, y = vectors[:, 0], vectors[:, 1]
-    return np.stack([c * x + s * y, c * y - s * x], axis=-1)
-
-
-def _turned_back(applied: FloatArray, axis: FloatArray) -> FloatArray:
-    c, s = axis[:, :1], axis[:, 1:2]
-    x, y = applied[..., 0], applied[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y, applied[..., 2]], axis=-1)
 
 
 def _candidates(wish: Wish, thorough: bool) -> FloatArray:

@@ -15,7 +15,7 @@ from coopenv.wrench import synthesis_points
 from coopenv.wrench.pair_off_axis import frame
 from coopenv.wrench.pair_off_axis_kernel import decompose_off_axis
 from coopenv.wrench.synthesis_points import PlanarWish, cross, keeping, torque_left
-from coopenv.wrench.synthesis_wish import Wish, internal_miss, share_miss
+from coopenv.wrench.synthesis_wish import Wish, internal_miss, into_frame, out_of_frame, share_miss
 
 ALLOWED = 1e-7  # by how much a candidate may miss plausibility or shares before it is decomposed
 FOUND = 1e-7  # by how much its decomposition may miss what is wanted, relative to the wrench
@@ -38,7 +38,7 @@ def _find(wish: Wish) -> FloatArray:
     with np.errstate(all="ignore"):  # a candidate that does not exist is NaN or infinite
         manipulation = _candidates(wanted, synthesis_points.points(wanted))
         sample, number = np.nonzero(_is_plausible(wanted, manipulation))
-        tried = _turned_back(manipulation[sample, number], axis[sample]) * units[sample, None]
+        tried = out_of_frame(manipulation[sample, number], axis[sample]) * units[sample, None]
     tried = tried + wish.internal[sample]
     miss = share_miss(tried, wish.rows(sample))
     shared = miss <= FOUND
@@ -76,28 +76,16 @@ def _in_frame(wish: Wish, axis: FloatArray, units: FloatArray) -> PlanarWish:
     wanted, internal = wish.object_wrench / units, wish.internal / units[:, None]
     weight = wish.settings.torque_weight
     return PlanarWish(
-        _turned(wanted[:, :2], axis),
+        into_frame(wanted[:, :2], axis),
         wanted[:, 2],
-        _turned(internal[:, 0, :2], axis),
+        into_frame(internal[:, 0, :2], axis),
         internal[..., 2],
         wish.force_share[:, 0],
         wish.torque_share[:, 0],
-        _turned(wish.grips, axis[:, None]) / length[:, None, None],
+        into_frame(wish.grips, axis[:, None]) / length[:, None, None],
         weight * length / (1.0 - weight),
         wish.settings.include_induced,
     )
-
-
-def _turned(vectors: FloatArray, axis: FloatArray) -> FloatArray:
-    c, s = axis[..., 0], axis[..., 1]
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x + s * y, c * y - s * x], axis=-1)
-
-
-def _turned_back(applied: FloatArray, axis: FloatArray) -> FloatArray:
-    c, s = axis[:, :1], axis[:, 1:2]
-    x, y = applied[..., 0], applied[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y, applied[..., 2]], axis=-1)
 
 
 def _candidates(wish: PlanarWish, point: FloatArray) -> FloatArray:

@@ -53,3 +53,17 @@ def internal_miss(
     units[:, 0, dimension:] = np.where(length > 0.0, length, 1.0)[:, None]
     size = np.abs(applied / units).max(axis=(-1, -2))
     return np.abs((found - wanted) / units).max(axis=(-1, -2)) / np.maximum(size, 1e-300)
+
+
+def into_frame(vectors: FloatArray, axis: FloatArray) -> FloatArray:
+    """Planar vectors ``(..., 2)`` seen from a frame whose x axis has the direction ``axis``."""
+    c, s = axis[..., 0], axis[..., 1]
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x + s * y, c * y - s * x], axis=-1)
+
+
+def out_of_frame(wrenches: FloatArray, axis: FloatArray) -> FloatArray:
+    """Planar wrenches ``(batch, n, 3)`` of such a frame, as seen from outside."""
+    c, s = axis[:, :1], axis[:, 1:2]
+    x, y = wrenches[..., 0], wrenches[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y, wrenches[..., 2]], axis=-1)
