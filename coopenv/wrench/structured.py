@@ -22,7 +22,7 @@ and 1e-6 to 1e-5 where a lever is very short. The answer may be cheaper than the
 much; the gap contains an estimate of it (`certificate.undercut`).
 
 With levers from 10⁻⁶ to 10⁶ m and torques from 10⁻⁶ to 10⁶ times what they make of the forces, of
-137,160 random wrenches none keeps a gap above 1e-7 of the cost; beyond, up to 10¹², one in 3,000.
+320,040 random wrenches one keeps a gap above 1e-7 of the cost; beyond, up to 10¹², one in 3,000.
 Where forces agree but for 1e-9, levers of 10² m and more leave gaps of 1e-6 and more (10⁴ m: 1e-4).
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
