@@ -5,6 +5,7 @@ import pytest
 from wrench_cases import pair_cases
 
 from coopenv import wrench
+from coopenv.wrench.answer import Answer
 
 BEAM = [[-1.0, 0.0], [1.0, 0.0]]
 CENTRE = np.zeros((3, 2))
@@ -98,7 +99,7 @@ def test_figure_5_point_mass():
 def test_figure_5_split_of_the_paper_is_as_cheap_and_less_internal():
     manipulation = forces((3, 1.5), (1, 0.5), (0, 0))
     decomposer = wrench.Decomposer(CENTRE)
-    d = wrench.Decomposition(FIGURE_5, manipulation, None, decomposer)
+    d = wrench.Decomposition(FIGURE_5, Answer(manipulation), decomposer)
     assert 2 * d.internal_force_level == pytest.approx(7.854, abs=5e-4)
     assert d.cost == pytest.approx(float(decomposer(FIGURE_5).cost), rel=1e-7)
     assert max(d.residuals()) == pytest.approx(0.0, abs=1e-15)

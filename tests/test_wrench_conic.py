@@ -4,6 +4,7 @@ from structured_cases import GRIPS, agreeing, families, grips_of_kind
 
 from coopenv import wrench
 from coopenv.errors import SolverError
+from coopenv.wrench.answer import Answer
 from coopenv.wrench.cone_program import ConeProgram
 
 TRIANGLE = np.array([[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]])
@@ -66,7 +67,7 @@ def test_answers_balance_are_plausible_and_cannot_be_beaten(
     others = np.broadcast_to(applied, internal.shape) - internal
     for step in (1.0, 0.1, 0.01):
         tried = d.manipulation + step * (others - d.manipulation)
-        cost = wrench.Decomposition(np.array(others), tried, None, decomposer).cost
+        cost = wrench.Decomposition(np.array(others), Answer(tried), decomposer).cost
         assert (d.cost - cost <= 1e-6 * d.applied_cost).all()
 
 

@@ -5,6 +5,7 @@ import pytest
 from structured_cases import families, grips_of_kind
 
 from coopenv import wrench
+from coopenv.wrench.answer import Answer
 from coopenv.wrench.conic_feasible import plausible, with_torques_shared
 from coopenv.wrench.conic_parts import Prices, cost_of, parts_of
 
@@ -17,7 +18,7 @@ def mended(internal, applied, grips):
     found, saved, _ = plausible(internal, applied, places, PRICES, unlimited)
     decomposer = wrench.Decomposer(grips, wrench.Settings(solver="conic"))
     cost = cost_of(parts_of(applied, places), PRICES)
-    return wrench.Decomposition(applied, applied - found, None, decomposer), saved, cost
+    return wrench.Decomposition(applied, Answer(applied - found), decomposer), saved, cost
 
 
 def relative_residuals(d):

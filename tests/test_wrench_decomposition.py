@@ -5,6 +5,7 @@ import pytest
 
 from coopenv import wrench
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.wrench.answer import Answer
 
 BEAM = np.array([[-0.9, 0.0], [0.9, 0.0]])
 OFF_AXIS = BEAM + np.array([0.0, 0.1])
@@ -116,7 +117,7 @@ def test_residuals_tell_what_is_broken():
     decomposer = wrench.Decomposer(BEAM)
     applied = np.array([[1.0, 2.0, 3.0], [1.0, 0.0, 0.0]])
     manipulation = np.array([[1.0, 2.5, 3.0], [1.0, 0.0, -0.25]])
-    residuals = wrench.Decomposition(applied, manipulation, None, decomposer).residuals()
+    residuals = wrench.Decomposition(applied, Answer(manipulation), decomposer).residuals()
     assert residuals.balance == pytest.approx(0.7)  # 0.9 m · 0.5 N + 0.25 N·m
     assert residuals.force == pytest.approx(np.hypot(0.5, 1.5) - np.hypot(0.5, 1.0))
     assert residuals.induced_torque == pytest.approx(0.9 * 0.5)

@@ -19,6 +19,7 @@ from wrench_cases import (
 
 from coopenv import wrench
 from coopenv.errors import InvalidInput
+from coopenv.wrench.answer import Answer
 
 BEAM = [[-0.9, 0.0], [0.9, 0.0]]
 CASES = pair_cases(np.random.default_rng(0), 60)
@@ -63,7 +64,7 @@ def test_every_plausible_alternative_of_the_test_is_plausible():
         internal = feasible_internal(rng, case.applied, case.grips, 5)
         applied = np.broadcast_to(case.applied, internal.shape)
         decomposer = wrench.Decomposer(case.grips)
-        d = wrench.Decomposition(applied, applied - internal, None, decomposer)
+        d = wrench.Decomposition(applied, Answer(applied - internal), decomposer)
         assert relative_residuals(d).max() <= 1e-13, case.name
 
 

@@ -1,16 +1,23 @@
 import dataclasses
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from coopenv import wrench
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
+from coopenv.wrench.settings import Method, Solver
 
 
 def test_defaults_are_the_recommended_cost():
     settings = wrench.Settings()
     assert (settings.method, settings.solver) == ("optimal", "auto")
     assert (settings.torque_weight, settings.include_induced) == (0.5, False)
+
+
+def test_every_method_and_solver_that_can_be_named_is_there_and_no_other():
+    assert list(wrench.METHODS) == list(get_args(Method))
+    assert ["auto", *wrench.SOLVERS] == list(get_args(Solver))
 
 
 def test_settings_are_frozen_hashable_and_replaceable():

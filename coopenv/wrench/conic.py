@@ -18,12 +18,13 @@ Source: Donner, Endo & Buss 2018, eqs. 17-21.
 """
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import SolverError
+from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.cone_program import ConeProgram
 from coopenv.wrench.conic_bound import Bound, Duals, best_bound, default_duals
 from coopenv.wrench.conic_feasible import plausible, rounding_of, with_torques_shared
@@ -41,10 +42,7 @@ from coopenv.wrench.conic_parts import (
 )
 from coopenv.wrench.conic_program import wrench_program
 from coopenv.wrench.grasp import sum_at_centre
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Solve
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 TOLERANCE = 1e-10  # asked of Clarabel: feasibility, and gap relative to the applied cost
 ACCEPTED = 1e-5  # gap and residuals up to which an early stop still counts as an answer
@@ -55,7 +53,7 @@ UNSEEN = 1e-16  # of the largest part of h_I: what balance may miss without our 
 TOGETHER = 256  # samples whose answers are judged and mended at once
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
+def prepare(grips: FloatArray, settings: Settings) -> Solve:
     """Return the solver for any number of applied wrenches at these grips.
 
     Parameters
@@ -68,9 +66,7 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     return partial(answers, grips, settings)
 
 
-def answers(
-    grips: FloatArray, settings: "Settings", applied: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def answers(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
     """Manipulation wrenches and gaps [N]; samples one after the other."""
     w = settings.torque_weight
     weights = Prices(1.0 - w, w, settings.include_induced * w)
@@ -87,7 +83,7 @@ def answers(
         some = unanswered[first : first + TOGETHER]
         names = list(zip(*np.unravel_index(some, batch), strict=True)) if batch else [()]
         manipulation[some], gap[some] = _solve_samples(wrenches[some], places[some], weights, names)
-    return manipulation.reshape(*batch, *applied.shape[-2:]), gap.reshape(batch)
+    return Answer(manipulation.reshape(*batch, *applied.shape[-2:]), gap.reshape(batch))
 
 
 def _agreeing(applied: FloatArray, dimension: int) -> FloatArray:

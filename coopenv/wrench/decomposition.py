@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, finite_array
 from coopenv.wrench import measures
+from coopenv.wrench.answer import Answer
 from coopenv.wrench.grasp import (
     checked_grips,
     moment,
@@ -117,10 +118,10 @@ class Decomposer:
         """
         if applied.shape[-2:] != self._core_shape or self.grips.ndim > 2:
             require_wrench_per_grip(applied, self.grips)
-        manipulation, gap, *fell_back = self._solve(applied)
-        if manipulation.shape != applied.shape:
-            applied = np.broadcast_to(applied, manipulation.shape)
-        return Decomposition(applied, manipulation, gap, self, *fell_back)
+        answer = self._solve(applied)
+        if answer.manipulation.shape != applied.shape:
+            applied = np.broadcast_to(applied, answer.manipulation.shape)
+        return Decomposition(applied, answer, self)
 
 
 class Residuals(NamedTuple):
@@ -147,18 +148,10 @@ class Decomposition:
         Name of the solver that answered, ``"closed_form"`` where there is none.
     """
 
-    def __init__(
-        self,
-        applied: FloatArray,
-        manipulation: FloatArray,
-        gap: FloatArray | None,
-        decomposer: Decomposer,
-        fell_back: BoolArray | None = None,
-    ):
+    def __init__(self, applied: FloatArray, answer: Answer, decomposer: Decomposer):
         self.applied = applied
-        self.manipulation = manipulation
-        self._gap = gap
-        self._fell_back = fell_back
+        self.manipulation = answer.manipulation
+        self._answer = answer
         self._decomposer = decomposer
 
     def __repr__(self) -> str:
@@ -198,13 +191,15 @@ class Decomposition:
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """
-        return np.zeros(self.applied.shape[:-2]) if self._gap is None else self._gap
+        gap = self._answer.gap
+        return np.zeros(self.applied.shape[:-2]) if gap is None else gap
 
     @cached_property
     def fell_back(self) -> BoolArray:
         """Where ``(...)`` ``"structured"`` could not certify its answer and took `conic`'s."""
+        fell_back = self._answer.fell_back
         shape = self.applied.shape[:-2]
-        return np.zeros(shape, dtype=np.bool_) if self._fell_back is None else self._fell_back
+        return np.zeros(shape, dtype=np.bool_) if fell_back is None else fell_back
 
     @cached_property
     def internal(self) -> FloatArray:

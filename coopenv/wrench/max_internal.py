@@ -17,18 +17,14 @@ maximiser touch, it is usually tight. The gap √D − √Σ‖g_i‖² [N] is r
 Source: Schmidts, Lee & Peer 2011, as compared in Donner, Endo & Buss 2018. The bound is our own.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.forces_only import forces_of, without_torque
 from coopenv.wrench.grasp import grasp_matrix
 from coopenv.wrench.max_internal_bound import best_bound
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 TRIED, STARTS, KEPT = 20, 16, 5  # directions looked along for a start; starts; climbed to the end
 SWEEPS = 6  # of the projection of random directions on the plausible ones
@@ -39,14 +35,14 @@ NEGLIGIBLE = 1e-12  # part of the largest force below which a force has no part 
 CLOSED = 1e-9  # relative gap below which no further start is tried
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Return the multi-start search; it raises `InvalidInput` where a torque is applied.
 
     The solver's name is ``"multi_start"``. `Decomposition.gap` bounds by how much the root of
     Σ‖f_I,i‖² may fall short of the largest possible [N]; it is not about the cost.
     """
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def solve(applied: FloatArray) -> Answer:
         force = forces_of(applied, grips, "max_internal")
         batch = force.shape[:-2]
         flat = force.reshape(-1, *force.shape[-2:])
@@ -58,9 +54,9 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
             part = slice(k, k + CHUNK)
             internal[part], gap[part] = _maximise(flat[part], all_grips[part])
         manipulation = without_torque(force - internal.reshape(force.shape), applied)
-        return manipulation, gap.reshape(batch)
+        return Answer(manipulation, gap.reshape(batch))
 
-    return "multi_start", solve
+    return Prepared("multi_start", solve)
 
 
 def _maximise(force: FloatArray, grips: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,9 +1,8 @@
 """The registry of definitions of internal wrench."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import FloatArray
 from coopenv.wrench import (
     max_internal,
     net_force,
@@ -14,20 +13,10 @@ from coopenv.wrench import (
     pseudoinverse,
     virtual_linkage,
 )
+from coopenv.wrench.answer import Prepared
+from coopenv.wrench.settings import Settings
 
-if TYPE_CHECKING:
-    from coopenv.wrench.settings import Settings
-
-Answer: TypeAlias = tuple[FloatArray, FloatArray | None] | tuple[FloatArray, FloatArray, BoolArray]
-"""Manipulation wrenches; the gap ``(...)`` [N] of their cost, or None; where `conic` stepped in."""
-
-Solve: TypeAlias = Callable[[FloatArray], Answer]
-"""Applied wrenches to their answer."""
-
-Prepared: TypeAlias = tuple[str, Solve]
-"""The solver's name, and the solver with grips and settings checked and worked in."""
-
-METHODS: dict[str, "Callable[[FloatArray, Settings], Prepared]"] = {
+METHODS: dict[str, Callable[[FloatArray, Settings], Prepared]] = {
     "optimal": optimal.prepare,
     "prioritized_torque": prioritized_torque.prepare,
     "point_mass": point_mass.prepare,
@@ -49,6 +38,3 @@ GENERAL_METHODS = (
     "virtual_linkage",
 )
 """Methods for any number of effectors, in plane and space, with forces and torques."""
-
-PLAUSIBLE = frozenset({"optimal", "prioritized_torque", "one_dimensional"})
-"""Methods that satisfy eqs. 9-11 for every input, so that the relative cost lies in [0, 1]."""

@@ -1,20 +1,16 @@
 """Net force method: whatever points along the resultant force counts as manipulation."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.forces_only import forces_of, without_torque
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 UNDEFINED = 1e-9  # a resultant smaller than this fraction of its summands has no direction
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Split every force along and across the resultant.
 
     f_M,i = (f_i · f_o/‖f_o‖) f_o/‖f_o‖,  f_I,i = f_i − f_M,i
@@ -27,7 +23,7 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
     Source: Shaw et al. 2024 (arXiv 2408.01543). Deviation: the resultant that vanishes.
     """
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
+    def solve(applied: FloatArray) -> Answer:
         force = forces_of(applied, grips, "net_force")
         resultant = force.sum(axis=-2, keepdims=True)
         length = np.linalg.norm(resultant, axis=-1, keepdims=True)
@@ -35,6 +31,6 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
         defined = length > UNDEFINED * magnitude
         direction = np.where(defined, resultant, 0.0) / np.where(defined, length, 1.0)
         along = (force * direction).sum(axis=-1, keepdims=True) * direction
-        return without_torque(along, applied), None
+        return Answer(without_torque(along, applied))
 
-    return "closed_form", solve
+    return Prepared("closed_form", solve)

@@ -1,21 +1,17 @@
 """Two forces on one line: what the smaller of two opposing ones takes from the larger."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
+from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.forces_only import forces_of, without_torque
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 ON_LINE = 1e-9  # part of a force across the line that counts as rounding
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Split two forces on the line through both grips (any line where the grips coincide).
 
     f_I,i = ½ sgn(f_i) (|f_1| + |f_2| − |f_1 + f_2|)    (eq. 8)
@@ -32,7 +28,7 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
         )
     line = grips[..., 1, :] - grips[..., 0, :]
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
+    def solve(applied: FloatArray) -> Answer:
         force = forces_of(applied, grips, "one_dimensional")
         direction = _direction(line, force)
         along = (force * direction).sum(axis=-1)  # (..., 2) [N], signed
@@ -41,9 +37,9 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
         opposed = length.sum(axis=-1) - np.abs(along.sum(axis=-1))
         opposed = np.minimum(0.5 * opposed, length.min(axis=-1))  # no more than the smaller
         internal = (np.sign(along) * opposed[..., None])[..., None] * direction
-        return without_torque(force - internal, applied), None
+        return Answer(without_torque(force - internal, applied))
 
-    return "closed_form", solve
+    return Prepared("closed_form", solve)
 
 
 def _direction(line: FloatArray, force: FloatArray) -> FloatArray:

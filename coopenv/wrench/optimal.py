@@ -5,25 +5,22 @@ subject to  G h_M = G h  and every part of h_M in the ball over the same part of
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from coopenv.arrays import FloatArray
 from coopenv.wrench import conic, pair, structured
+from coopenv.wrench.answer import Prepared, Solve
+from coopenv.wrench.settings import Settings
 
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared, Solve
-    from coopenv.wrench.settings import Settings
-
-SOLVERS: dict[str, "Callable[[FloatArray, Settings], Solve]"] = {
+SOLVERS: dict[str, Callable[[FloatArray, Settings], Solve]] = {
     "pair": pair.prepare,
     "structured": structured.prepare,
     "conic": conic.prepare,
 }
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Choose the fastest exact solver for these grips, or take the one that was asked for."""
     name = settings.solver
     if name == "auto":
         name = "pair" if pair.applies(grips).all() else "structured"
-    return name, SOLVERS[name](grips, settings)
+    return Prepared(name, SOLVERS[name](grips, settings))

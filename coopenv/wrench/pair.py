@@ -15,22 +15,18 @@ torque costs the same through forces and by itself; the cost never does.
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction to one dimension is our own.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput
+from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.pair_kernel import decompose_pair
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Solve
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 ON_AXIS = 1e-12  # distance from the line that counts as rounding, relative to the longest lever
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
+def prepare(grips: FloatArray, settings: Settings) -> Solve:
     """Check the grips once and return the solver for any number of applied wrenches.
 
     Parameters
@@ -53,8 +49,8 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     axis = _axis(grips)
     weights = np.array([settings.torque_weight, float(settings.include_induced)])
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
-        return decompose_pair(applied, axis, weights), None
+    def solve(applied: FloatArray) -> Answer:
+        return Answer(decompose_pair(applied, axis, weights))
 
     return solve
 

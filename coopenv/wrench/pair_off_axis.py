@@ -12,19 +12,15 @@ tie the answer is that of `pair`.
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction to one dimension is our own.
 """
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench import measures, pair
+from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.measure_kernels import level_kernel
 from coopenv.wrench.pair_off_axis_kernel import ROUNDING, decompose_off_axis
-
-if TYPE_CHECKING:
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 WORTH_A_THREAD = 1000  # samples that occupy a core long enough for one to be started
 
@@ -36,9 +32,7 @@ def applies(grips: FloatArray) -> BoolArray:
     return ~pair.applies(grips)
 
 
-def prepare(
-    grips: FloatArray, settings: "Settings"
-) -> Callable[[FloatArray], tuple[FloatArray, FloatArray, BoolArray]]:
+def prepare(grips: FloatArray, settings: Settings) -> Solve:
     """Return the solver for any number of applied wrenches at these grips.
 
     Parameters
@@ -53,8 +47,8 @@ def prepare(
     parameters = measures.level_parameters(*weights, plausible=True)
     worth = ROUNDING * np.abs(axis[..., 2:]).max(axis=-1) / np.abs(axis[..., 4])
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-        """Manipulation wrenches, gaps, and that nothing falls back.
+    def solve(applied: FloatArray) -> Answer:
+        """Manipulation wrenches and gaps.
 
         The minimum of a convex function is bracketed: the gap is how wide the bracket can be in the
         end times how steep the cost. Near the axis a small change of v changes u a lot along the
@@ -68,7 +62,7 @@ def prepare(
         else:
             manipulation = decompose_off_axis(applied, axis, weights)
         cost = level_kernel(applied, manipulation, grips, parameters)[..., 1]
-        return manipulation, worth * cost, np.zeros(cost.shape, dtype=np.bool_)
+        return Answer(manipulation, worth * cost)
 
     def write(part: slice, manipulation: FloatArray, applied: FloatArray) -> None:
         decompose_off_axis(applied[part], axis, weights, manipulation[part])

@@ -1,19 +1,15 @@
 """Point mass approximation: share force and torque along the resultants, as if uncoupled."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.grasp import moment
 from coopenv.wrench.measure_kernels import load_share_kernel
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Share the resultants in proportion to each effector's part along them.
 
     f_M,i = θ max(f_iᵀf_o / ‖f_o‖², 0) f_o    (eqs. 22-23), t_oM,i alike with t_o,i and t_o;
@@ -24,7 +20,7 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
     """
     dimension = grips.shape[-1]
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
+    def solve(applied: FloatArray) -> Answer:
         at_centre = applied.copy() if grips.ndim == 2 else _broadcast_copy(applied, grips)
         at_centre[..., dimension:] += moment(grips, applied)
         resultant = at_centre.sum(axis=-2, keepdims=True)
@@ -35,9 +31,9 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
             share = np.where(np.isnan(share), equal, share)[..., None]
             manipulation[..., part] = share * resultant[..., part]
         manipulation[..., dimension:] -= moment(grips, manipulation)
-        return manipulation, None
+        return Answer(manipulation)
 
-    return "closed_form", solve
+    return Prepared("closed_form", solve)
 
 
 def _broadcast_copy(applied: FloatArray, grips: FloatArray) -> FloatArray:

@@ -10,22 +10,18 @@ where the grips coincide it does not depend on v, and the cheapest force is the 
 Source: Donner, Endo & Buss 2018, section III-D. Deviation: coinciding grips.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.wrench import pair
+from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.kernels import gufunc
 from coopenv.wrench.pair_kernel import _best_u, _in_line, _interval, _left, _vertex, _write
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Check the grips and return the closed form; the cost's weights do not matter to it.
 
     Parameters
@@ -48,10 +44,10 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
         )
     axis = pair._axis(grips)
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
-        return prioritize_torque(applied, axis), None
+    def solve(applied: FloatArray) -> Answer:
+        return Answer(prioritize_torque(applied, axis))
 
-    return "closed_form", solve
+    return Prepared("closed_form", solve)
 
 
 @gufunc("(n,k),(a)->(n,k)", "void(float64[:,:], float64[:], float64[:,:])")

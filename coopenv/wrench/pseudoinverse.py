@@ -1,12 +1,13 @@
 """Allocation by a generalised inverse of the grasp matrix, and what it leaves over as internal."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.grasp import (
     checked_grips,
     grasp_matrix,
@@ -14,10 +15,7 @@ from coopenv.wrench.grasp import (
     sum_at_centre,
     wrench_size,
 )
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.settings import Settings
 
 ALLOCATIONS = ("moore_penrose", "nonsqueezing", "parametrized")
 
@@ -78,14 +76,14 @@ def allocate(
     return _apply(_inverse(grips, method, virtual_masses, virtual_inertias), wanted, grips)
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Compute the generalised inverse once; what it allocates counts as manipulation."""
     inverse = _inverse(grips, settings.method, settings.virtual_masses, settings.virtual_inertias)
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
-        return _apply(inverse, sum_at_centre(applied, grips), grips), None
+    def solve(applied: FloatArray) -> Answer:
+        return Answer(_apply(inverse, sum_at_centre(applied, grips), grips))
 
-    return "closed_form", solve
+    return Prepared("closed_form", solve)
 
 
 def _apply(inverse: FloatArray, resultant: FloatArray, grips: FloatArray) -> FloatArray:

@@ -1,14 +1,33 @@
 """What to decompose with: one frozen description, checked when it is made."""
 
 from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import finite_array, positive
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.wrench.methods import METHODS, PLAUSIBLE
-from coopenv.wrench.optimal import SOLVERS
+
+Method: TypeAlias = Literal[
+    "optimal",
+    "prioritized_torque",
+    "point_mass",
+    "moore_penrose",
+    "nonsqueezing",
+    "parametrized",
+    "virtual_linkage",
+    "max_internal",
+    "one_dimensional",
+    "net_force",
+]
+"""Definitions of internal wrench; `METHODS` has the function of each."""
+
+Solver: TypeAlias = Literal["auto", "pair", "structured", "conic"]
+"""What solves ``method="optimal"``; `SOLVERS` has the function of each but ``"auto"``."""
+
+PLAUSIBLE: frozenset[Method] = frozenset({"optimal", "prioritized_torque", "one_dimensional"})
+"""Methods that satisfy eqs. 9-11 for every input, so that the relative cost lies in [0, 1]."""
 
 Nested = float | tuple["Nested", ...]
 
@@ -49,10 +68,10 @@ class Settings:
     virtual_inertias: tuple[Nested, ...] | None = None  # [kg m²]
 
     def __post_init__(self):
-        if not isinstance(self.method, str) or self.method not in METHODS:
-            raise UnknownName("method", self.method, METHODS)
-        if not isinstance(self.solver, str) or self.solver not in ("auto", *SOLVERS):
-            raise UnknownName("solver", self.solver, ["auto", *SOLVERS])
+        for name, known in (("method", get_args(Method)), ("solver", get_args(Solver))):
+            value = getattr(self, name)
+            if not isinstance(value, str) or value not in known:
+                raise UnknownName(name, value, known)
         if self.solver != "auto" and self.method != "optimal":
             raise InvalidInput(
                 f"solver must be 'auto' for method={self.method!r}, which has one solver, got "

@@ -29,19 +29,16 @@ Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are ou
 """
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import FloatArray
 from coopenv.errors import SolverError
 from coopenv.wrench import conic, pair, pair_off_axis
+from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.cores import on_all_cores
+from coopenv.wrench.settings import Settings
 from coopenv.wrench.structured_kernel import solve_batch
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Solve
-    from coopenv.wrench.settings import Settings
 
 TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
 IN_PLANE = (
@@ -51,7 +48,7 @@ WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be s
 ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
+def prepare(grips: FloatArray, settings: Settings) -> Solve:
     """Return the solver for any number of applied wrenches at these grips.
 
     Parameters
@@ -67,9 +64,7 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Solve":
     return partial(_solve_some if pairs.any() else _solve, grips, settings)
 
 
-def _solve_some(
-    grips: FloatArray, settings: "Settings", applied: FloatArray
-) -> tuple[FloatArray, FloatArray, BoolArray]:
+def _solve_some(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
     """Solve for planar pairs of which some are on the axis and some are not."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows, places = _rows(applied, batch), _rows(grips, batch)
@@ -78,19 +73,17 @@ def _solve_some(
     off_axis = pair_off_axis.applies(places)
     on_axis = ~off_axis
     solve = pair_off_axis.prepare(places[off_axis], settings)
-    manipulation[off_axis], gap[off_axis], _ = solve(rows[off_axis])
+    manipulation[off_axis], gap[off_axis] = solve(rows[off_axis])[:2]
     if settings.solver == "auto":  # as it would choose for these alone
-        manipulation[on_axis] = pair.prepare(places[on_axis], settings)(rows[on_axis])[0]
+        manipulation[on_axis] = pair.prepare(places[on_axis], settings)(rows[on_axis]).manipulation
     else:
         part = _solve(places[on_axis], settings, rows[on_axis])
         manipulation[on_axis], gap[on_axis], fell_back[on_axis] = part
     shape = (*batch, *applied.shape[-2:])
-    return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
+    return Answer(manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch))
 
 
-def _solve(
-    grips: FloatArray, settings: "Settings", applied: FloatArray
-) -> tuple[FloatArray, FloatArray, BoolArray]:
+def _solve(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
     """Manipulation wrenches, gaps [N], and where the answer is `conic`'s."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows = _rows(applied, batch)
@@ -107,7 +100,7 @@ def _solve(
             fell_back[index], undercut[index] = True, 0.0  # `conic` has counted its own
     gap = gap + undercut
     shape = (*batch, *applied.shape[-2:])
-    return manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch)
+    return Answer(manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch))
 
 
 def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
@@ -117,7 +110,7 @@ def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
 
 
 def iterate(
-    applied: FloatArray, grips: FloatArray, settings: "Settings", tolerance: float = TOLERANCE
+    applied: FloatArray, grips: FloatArray, settings: Settings, tolerance: float = TOLERANCE
 ) -> tuple[FloatArray, FloatArray]:
     """Solve without falling back, on all cores where that pays; the same bits on any number.
 
@@ -154,11 +147,11 @@ def iterate(
 
 
 def _fall_back(
-    applied: FloatArray, grips: FloatArray, settings: "Settings", gap: float
+    applied: FloatArray, grips: FloatArray, settings: Settings, gap: float
 ) -> tuple[FloatArray, float] | None:
     """Answer of `conic` and its own bound; None where that is not below ``gap``."""
     try:
-        answer, bound = conic.answers(grips, settings, applied)
+        answer, bound = conic.answers(grips, settings, applied)[:2]
     except SolverError:
         return None
-    return (answer, float(bound)) if bound < gap else None
+    return (answer, float(bound)) if bound is not None and bound < gap else None

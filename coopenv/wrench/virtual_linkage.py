@@ -1,17 +1,13 @@
 """Virtual linkage: internal is what the lines between the effectors could carry."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from coopenv.arrays import FloatArray
-
-if TYPE_CHECKING:
-    from coopenv.wrench.methods import Prepared
-    from coopenv.wrench.settings import Settings
+from coopenv.wrench.answer import Answer, Prepared
+from coopenv.wrench.settings import Settings
 
 
-def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
+def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     """Project forces on the lines between effectors; every pure torque counts as internal.
 
     f_I = E E⁺ f, with one column of E per pair of effectors: the unit vector between them on one,
@@ -23,16 +19,16 @@ def prepare(grips: FloatArray, settings: "Settings") -> "Prepared":
     projection = _projection(grips)
     num_effectors, dimension = grips.shape[-2:]
 
-    def solve(applied: FloatArray) -> tuple[FloatArray, None]:
+    def solve(applied: FloatArray) -> Answer:
         force = applied[..., :dimension]
         flat = force.reshape(*force.shape[:-2], num_effectors * dimension)
         internal = (projection @ flat[..., None])[..., 0]
         shape = (*internal.shape[:-1], num_effectors, dimension)
         manipulation = np.zeros((*shape[:-1], applied.shape[-1]))
         manipulation[..., :dimension] = force - internal.reshape(shape)
-        return manipulation, None
+        return Answer(manipulation)
 
-    return "closed_form", solve
+    return Prepared("closed_form", solve)
 
 
 def _projection(grips: FloatArray) -> FloatArray:
