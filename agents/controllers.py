@@ -11,7 +11,7 @@ from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import UnknownName
 from coopenv.transition import Transition
 from coopenv.wrench import allocate
-from coopenv.wrench.pseudoinverse import ALLOCATIONS
+from coopenv.wrench.methods.pseudoinverse import ALLOCATIONS
 
 from .guidance import Gains, gains_row, wanted_twists
 

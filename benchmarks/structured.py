@@ -16,10 +16,11 @@ import numpy as np
 
 from coopenv import wrench
 from coopenv.arrays import FloatArray
-from coopenv.wrench import conic, structured
-from coopenv.wrench.cone_program import ConeProgram
+from coopenv.wrench.conic import solver as conic
+from coopenv.wrench.conic.cone_program import ConeProgram
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.structured_kernel import solve_batch
+from coopenv.wrench.structured import solver as structured
+from coopenv.wrench.structured.batch import solve_batch
 
 SIZES = (2, 3, 4, 10, 100, 1000)
 PAPER = {2: "0.4 (beam)", 3: "0.8", 4: "1.1", 10: "2.1"}  # [s], its own machine

@@ -8,9 +8,9 @@ from numba import njit
 
 from coopenv.arrays import FloatArray, number, positive, whole
 from coopenv.block import Block, EachOther
+from coopenv.compiled import COMPILED
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.transition import Transition
-from coopenv.wrench.kernels import COMPILED
 
 PLACES = ("grip", "centre")
 OWNERS = ("own", "partners")

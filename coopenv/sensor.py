@@ -17,9 +17,9 @@ from numba import njit
 
 from coopenv.arrays import IntArray, finite_array, whole
 from coopenv.block import Block
+from coopenv.compiled import COMPILED
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
-from coopenv.wrench.kernels import COMPILED
 
 _LARGEST = float(np.finfo(np.float32).max)
 _WEYL = np.uint64(0x9E3779B97F4A7C15)

@@ -5,7 +5,7 @@ from structured_cases import GRIPS, agreeing, families, grips_of_kind
 from coopenv import wrench
 from coopenv.errors import SolverError
 from coopenv.wrench.answer import Answer
-from coopenv.wrench.cone_program import ConeProgram
+from coopenv.wrench.conic.cone_program import ConeProgram
 
 TRIANGLE = np.array([[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]])
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from structured_cases import GRIPS, families, grips_of_kind
 
 from coopenv import wrench
-from coopenv.wrench.conic_bound import Bound, Duals, best_bound, bounded, default_duals
-from coopenv.wrench.conic_parts import Parts, Prices, cost_of, parts_of, saving_of
+from coopenv.wrench.conic.bound import Bound, Duals, best_bound, bounded, default_duals
+from coopenv.wrench.conic.parts import Parts, Prices, cost_of, parts_of, saving_of
 
 PRICES = (Prices(0.5, 0.5, 0.0), Prices(0.5, 0.5, 0.5), Prices(0.05, 0.95, 0.95))
 

@@ -6,8 +6,8 @@ from structured_cases import families, grips_of_kind
 
 from coopenv import wrench
 from coopenv.wrench.answer import Answer
-from coopenv.wrench.conic_feasible import plausible, with_torques_shared
-from coopenv.wrench.conic_parts import Prices, cost_of, parts_of
+from coopenv.wrench.conic.feasible import plausible, with_torques_shared
+from coopenv.wrench.conic.parts import Prices, cost_of, parts_of
 
 PRICES = Prices(0.5, 0.5, 0.0)
 

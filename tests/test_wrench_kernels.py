@@ -9,7 +9,7 @@ from coopenv import wrench
 
 KERNEL = """
 from numba import njit
-from coopenv.wrench.kernels import gufunc
+from coopenv.compiled import gufunc
 
 @gufunc("(n)->()", "void(float64[:], float64[:])")
 def total(values, result):

@@ -3,8 +3,7 @@
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.fields import after, four_at
-from coopenv.wrench.lanes import (
+from coopenv.wrench.structured.lanes import (
     larger,
     largest,
     root,
@@ -16,6 +15,7 @@ from coopenv.wrench.lanes import (
     total,
     where,
 )
+from coopenv.wrench.structured.memory import after, four_at
 
 X, Y, RESULTS = 0, 1, 2  # fields of the tests' memory
 

@@ -3,7 +3,7 @@ import pytest
 
 from coopenv import wrench
 from coopenv.errors import InvalidInput
-from coopenv.wrench.max_internal import CLOSED
+from coopenv.wrench.methods.max_internal import CLOSED
 
 FIGURE_5 = np.array([[3.0, 3.0, 0.0], [4.0, -1.0, 0.0], [-3.0, 0.0, 0.0]])
 

@@ -7,8 +7,8 @@ from wrench_cases import pair_cases
 
 from coopenv import wrench
 from coopenv.errors import SolverError
-from coopenv.wrench import structured
 from coopenv.wrench.settings import Settings
+from coopenv.wrench.structured import solver as structured
 
 COUNTS = {n: (10 if n <= 4 else 4 if n <= 8 else 3) for n in range(1, 13)}  # of each family
 FEW = {1: 1, 2: 2, 3: 3, 5: 2, 12: 1}  # 1,512 wrenches in all

@@ -13,7 +13,9 @@ from synthesis_cases import (
 
 from coopenv import wrench
 from coopenv.errors import InvalidInput
-from coopenv.wrench import synthesis_search, synthesis_shares, synthesis_twist
+from coopenv.wrench.synthesis import search as synthesis_search
+from coopenv.wrench.synthesis import shares as synthesis_shares
+from coopenv.wrench.synthesis import twist as synthesis_twist
 
 TEAMS = [(2, 2), (3, 2), (6, 2), (2, 3), (3, 3), (5, 3)]
 

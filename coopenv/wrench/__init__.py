@@ -1,14 +1,14 @@
 """The physically plausible wrench decomposition: arrays in, arrays out."""
 
-from coopenv.wrench.constraint_violation import constraint_violation
 from coopenv.wrench.decomposition import Decomposer, Decomposition, Residuals, decompose
 from coopenv.wrench.grasp import grasp_matrix, induced_torque, object_wrench
 from coopenv.wrench.measures import EnergyShare, LoadShare, energy_share, load_share
 from coopenv.wrench.methods import GENERAL_METHODS, METHODS
-from coopenv.wrench.optimal import SOLVERS
-from coopenv.wrench.pseudoinverse import allocate
+from coopenv.wrench.methods.constraint_violation import constraint_violation
+from coopenv.wrench.methods.optimal import SOLVERS
+from coopenv.wrench.methods.pseudoinverse import allocate
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.synthesis import synthesize
+from coopenv.wrench.synthesis.synthesize import synthesize
 
 __all__ = [
     "GENERAL_METHODS",

@@ -4,8 +4,8 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, finite_array
+from coopenv.compiled import gufunc
 from coopenv.errors import InvalidInput
-from coopenv.wrench.kernels import gufunc
 
 
 def grasp_matrix(grips: npt.ArrayLike) -> FloatArray:

@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.kernels import COMPILED, gufunc
+from coopenv.compiled import COMPILED, gufunc
 
 UNDEFINED = 1e-9  # a resultant smaller than this fraction of its summands has no shares
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well

@@ -1,0 +1,120 @@
+"""The paper's program (eqs. 17-21) for one sample, stated for Clarabel."""
+
+import numpy as np
+
+from coopenv.arrays import FloatArray
+from coopenv.wrench.conic.bound import Duals
+from coopenv.wrench.conic.cone_program import Affine, ConeProgram
+from coopenv.wrench.conic.parts import NEGLIGIBLE, PARALLEL, Parts, Prices, norm
+from coopenv.wrench.grasp import grasp_matrix, sum_at_centre
+
+
+def wrench_program(
+    whole: Parts, grips: FloatArray, weights: Prices, cost_unit: float, duals: Duals
+) -> tuple[ConeProgram, list[tuple[Affine, Affine]]]:
+    """State eqs. 17-21 for one sample; also return force and torque of each effector in it.
+
+    Every vector is in its own unit, balance in the largest, costs in ``cost_unit`` [N]. The
+    program's multipliers will be written to this sample's ``duals``.
+
+    Parameters
+    ----------
+    whole, duals
+        Of this sample, ``(n, d)`` and ``(k,)``.
+    """
+    dimension = grips.shape[-1]
+    levers, forces, torques, induced = (norm(part).tolist() for part in (grips, *whole))
+    longest, largest_force = max(levers), max(forces)  # [m], [N]
+    largest_torque = max(*torques, longest * largest_force)  # [N·m]
+    program, parts = ConeProgram(cost_unit), []
+    size = dimension + whole.torque.shape[-1]
+    matrix = grasp_matrix(grips).reshape(size, len(grips), size)
+    for i, lever in enumerate(levers):
+        has_lever = lever > NEGLIGIBLE * longest
+        radial = induced[i] <= PARALLEL * forces[i] * lever
+        free = forces[i] > NEGLIGIBLE * largest_force
+        force = (
+            _vector(
+                program,
+                whole.force[i],
+                forces[i],
+                weights.force,
+                duals.force[i],
+                radial and has_lever,
+            )
+            if free
+            else _fixed(whole.force[i])
+        )
+        torque = (
+            _vector(
+                program, whole.torque[i], torques[i], weights.torque, duals.torque[i], size == 3
+            )
+            if torques[i] > NEGLIGIBLE * largest_torque
+            else _fixed(whole.torque[i])
+        )
+        parts.append((force, torque))
+        if free and has_lever and not radial:
+            unit = force.mapped(matrix[dimension:, i, :dimension] / induced[i])  # S(r_i)
+            _limit_induced(program, unit, whole.induced[i], induced[i], weights.induced, duals, i)
+    unit = np.full(size, largest_force)
+    unit[dimension:] = largest_torque or 1.0
+    matrix /= unit[:, None, None]
+    balance = [
+        _fixed(-(sum_at_centre(np.concatenate([whole.force, whole.torque], axis=-1), grips) / unit))
+    ]
+    for i, (force, torque) in enumerate(parts):
+        balance += [force.mapped(matrix[:, i, :dimension]), torque.mapped(matrix[:, i, dimension:])]
+    program.keep(duals.balance, program.zero(*balance), 1.0 / unit)
+    return program, parts
+
+
+def _fixed(vector: FloatArray) -> Affine:
+    """Return a constant."""
+    return Affine([], np.zeros((len(vector), 0)), vector)
+
+
+def _vector(
+    program: ConeProgram,
+    vector: FloatArray,
+    size: float,
+    cost: float,
+    zeta: FloatArray,
+    on_ray: bool,
+) -> Affine:
+    """Add a force or torque, on its own ray or free in its ball; keep the ζ of its cost."""
+    dimension = len(vector)
+    if on_ray:
+        column = program.variables(1, cost * size)
+        program.between(Affine(column, np.ones((1, 1)), np.zeros(1)), 1.0)
+        return Affine(column, vector[:, None], np.zeros(dimension))
+    columns, identity, nothing = (
+        program.variables(dimension),
+        np.eye(dimension),
+        np.zeros(dimension),
+    )
+    unit = Affine(columns, identity, nothing)
+    program.ball(unit, 0.5 * vector / size, 0.5)
+    program.keep(zeta, program.norm(unit, cost * size), 1.0 / size)
+    return Affine(columns, size * identity, nothing)
+
+
+def _limit_induced(
+    program: ConeProgram,
+    unit: Affine,
+    moment: FloatArray,
+    size: float,
+    cost: float,
+    duals: Duals,
+    effector: int,
+) -> None:
+    """Constrain an induced torque to its ball (20), and count it if it has a cost."""
+    of_ball, of_cost = duals.disc[effector], duals.induced[effector]
+    if len(moment) == 1:
+        sign = moment[0] / size
+        program.keep(of_ball, program.between(unit, sign), np.array([[sign, -sign]]) / size)
+        program.absolute(unit, sign, cost * size)
+        of_cost[:] = -cost * sign
+        return
+    program.keep(of_ball, program.ball(unit, 0.5 * moment / size, 0.5), 1.0 / size)
+    if cost > 0.0:
+        program.keep(of_cost, program.norm(unit, cost * size), 1.0 / size)

@@ -1,0 +1,1 @@
+"""Two effectors in the plane: exact solvers that search one number."""

@@ -1,0 +1,52 @@
+"""Root of a compiled function between two points where its signs differ."""
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit
+
+from coopenv.compiled import COMPILED, TINY
+
+MAX_STEPS = 200  # a smooth function needs about 8, one that jumps 60, more at a fine resolution
+
+
+def root_of(function: Callable[[float, Any], float]) -> Callable[..., float]:
+    """Compile ``root(a, value_a, b, value_b, case, resolution)`` of ``function(x, case)``.
+
+    Chandrupatla's method: inverse quadratic interpolation where that can be trusted, bisection
+    elsewhere; to two units in the last place, or ``resolution``. Source: Chandrupatla 1997.
+
+    Parameters
+    ----------
+    function
+        Compiled by ``@njit(**COMPILED)``; ``case`` is whatever it needs beside x.
+    """
+
+    @njit(**COMPILED)
+    def root(a, value_a, b, value_b, case, resolution):
+        c, value_c = a, value_a
+        best, step = a, 0.5
+        for _ in range(MAX_STEPS):
+            x = a + step * (b - a)
+            value = function(x, case)
+            if (value > 0.0) == (value_a > 0.0):
+                c, value_c = a, value_a
+            else:
+                c, value_c, b, value_b = b, value_b, a, value_a
+            a, value_a = x, value
+            best = a if abs(value_a) < abs(value_b) else b
+            tolerance = (2e-16 * abs(best) + resolution) / max(abs(b - a), TINY)
+            if tolerance > 0.5 or value == 0.0:
+                return best
+            xi = (a - b) / (c - b)
+            phi = (value_a - value_b) / (value_c - value_b)
+            step = 0.5
+            curved = value_c - value_a
+            curved = curved if curved != 0.0 else 1.0
+            if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+                step = value_a / (value_b - value_a) * value_c / (value_b - value_c)
+                step += (c - a) / (b - a) * value_a / curved * value_b / (value_c - value_b)
+            step = min(max(step, tolerance), 1.0 - tolerance)
+        return best
+
+    return root

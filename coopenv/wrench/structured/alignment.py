@@ -1,0 +1,113 @@
+"""Where balance of torque is taken for the structured solver's second attempt; compiled.
+
+Balance about one point is balance about any other, in any frame, so that neither matters but for
+rounding. About the middle of the grips and in a frame along their line, what a long lever makes of
+a force does not drown what only a small torque can balance: with grips on one line, the torque
+about it. About the centre of mass that is a difference of large numbers.
+"""
+
+from coopenv.wrench.structured.blocks import COLUMNS, NEGLIGIBLE, block, norm3, set_frame
+from coopenv.wrench.structured.lanes import compiled
+
+POWERS = 3  # of the grips' scatter, to find their line
+
+
+@compiled
+def align(k, wrench, grips, units, spare):
+    """Write the rows of torque of every G about the grips' middle, in a frame along their line."""
+    arm, middle, turn = spare[1], spare[3], spare[4]
+    _find_middle(wrench, grips, units[0], middle)
+    _find_line(wrench, grips, units[0], spare)
+    for i in range(wrench.shape[0]):
+        _arm(grips, i, middle, arm)
+        force, torque = block(k, 2 * i), block(k, 2 * i + 1)
+        for j in range(3):
+            at = COLUMNS + 6 * j
+            x, y, z = force[at], force[at + 1], force[at + 2]
+            force[at + 3] = (arm[1] * z - arm[2] * y) / units[1]
+            force[at + 4] = (arm[2] * x - arm[0] * z) / units[1]
+            force[at + 5] = (arm[0] * y - arm[1] * x) / units[1]
+            _turn(force, at + 3, turn)
+            _turn(torque, at + 3, turn)
+
+
+@compiled
+def turn_back(k, wrench, spare):
+    """Write the directions of the torques as they were, for the answer to be read."""
+    turn = spare[4]
+    for r in range(3):
+        for t in range(r):
+            turn[r, t], turn[t, r] = turn[t, r], turn[r, t]
+    for i in range(wrench.shape[0]):
+        for j in range(3):
+            _turn(block(k, 2 * i + 1), COLUMNS + 6 * j + 3, turn)
+
+
+@compiled
+def _turn(row, at, turn):
+    x, y, z = row[at], row[at + 1], row[at + 2]
+    for r in range(3):
+        row[at + r] = turn[r, 0] * x + turn[r, 1] * y + turn[r, 2] * z
+
+
+@compiled
+def _pushes(wrench, i, force):
+    """Whether an effector has a force that counts."""
+    third = wrench[i, 2] if wrench.shape[1] == 6 else 0.0
+    return norm3(wrench[i, 0], wrench[i, 1], third) > NEGLIGIBLE * force
+
+
+@compiled
+def _arm(grips, i, middle, arm):
+    """Write a grip as seen from the middle."""
+    arm[2] = 0.0
+    for r in range(grips.shape[1]):
+        arm[r] = grips[i, r] - middle[r]
+
+
+@compiled
+def _find_middle(wrench, grips, force, middle):
+    number = 0
+    for r in range(3):
+        middle[r] = 0.0
+    for i in range(wrench.shape[0]):
+        if _pushes(wrench, i, force):
+            number += 1
+            for r in range(grips.shape[1]):
+                middle[r] += grips[i, r]
+    for r in range(3):
+        middle[r] /= max(number, 1)
+
+
+@compiled
+def _find_line(wrench, grips, force, spare):
+    """Write the frame along the line that the grips are closest to; in a plane its own."""
+    full, arm, scatter, middle, turn = spare
+    for r in range(3):
+        full[r], full[3 + r] = 0.0, 0.0
+        for t in range(3):
+            scatter[r, t], turn[r, t] = 0.0, 1.0 if r == t else 0.0
+    if grips.shape[1] == 2:
+        return
+    for i in range(wrench.shape[0]):
+        if _pushes(wrench, i, force):
+            _arm(grips, i, middle, arm)
+            for r in range(3):
+                for t in range(3):
+                    scatter[r, t] += arm[r] * arm[t]
+    widest = 0
+    for r in range(1, 3):
+        if scatter[r, r] > scatter[widest, widest]:
+            widest = r
+    if not scatter[widest, widest] > 0.0:
+        return
+    full[widest] = 1.0
+    for _ in range(1 + POWERS):
+        for r in range(3):
+            full[3 + r] = 0.0
+            for t in range(3):
+                full[3 + r] += scatter[r, t] * full[t]
+        size = norm3(full[3], full[4], full[5])
+        for r in range(3):
+            full[r] = full[3 + r] / size
+    set_frame(turn, full[0], full[1], full[2], 0.0, 0.0, 0.0)

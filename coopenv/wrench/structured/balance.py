@@ -1,0 +1,214 @@
+"""The one small system that couples the effectors: balance of force and torque, compiled.
+
+Whatever the number of effectors, it is of size 6: rows 0 to 5 of ``system`` hold a symmetric
+matrix, its lower triangle or its factors LDLᵀ. What no block can make is left out of it. Sums over
+the blocks grow in four lanes, in a chunk of their own, until they are collected.
+"""
+
+from coopenv.wrench.structured.blocks import ANSWER, COLUMNS, FREE, RADIUS, chunk, num_chunks
+from coopenv.wrench.structured.lanes import compiled, inlined, total, where
+from coopenv.wrench.structured.memory import TABLE_WIDTH, after
+
+ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
+SYSTEM = 11  # rows in all
+DEAD = 1e-11  # pivot of Σ G Gᵀ, relative to its diagonal, below which a resultant cannot be made
+VOID = 1e-26  # the same, relative to the largest
+RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # place of sums of forces and torques, behind the matrix'
+SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks lest memory be written
+
+
+@inlined
+def sums(k):
+    """Fields of the chunk where sums over the blocks grow."""
+    return chunk(k, num_chunks(k))
+
+
+@inlined
+def clear_matrix(k):
+    """Begin sums of squares."""
+    for r in range(RESULTANT):
+        sums(k)[r] = 0.0
+
+
+@inlined
+def clear_resultant(k):
+    """Begin sums of forces and torques."""
+    for r in range(6):
+        sums(k)[RESULTANT + r] = 0.0
+
+
+@inlined
+def collect_matrix(k, system):
+    """Write the sum of squares to the matrix."""
+    for r in range(6):
+        for t in range(r + 1):
+            system[r, t] = total(sums(k)[TABLE_WIDTH * r + t])
+
+
+@inlined
+def collect_resultant(k, system, at, sign):
+    """Add the sum of forces and torques to a row of the system, or subtract it."""
+    for r in range(6):
+        system[at, r] += sign * total(sums(k)[RESULTANT + r])
+
+
+@inlined
+def add_squares(k, columns, first, x, y, z):
+    """Add G diag(x, y, z) Gᵀ of a chunk, the columns being fields of six from row ``first`` on."""
+    matrix = sums(k)
+    for r in range(first, 6):
+        a0, a1, a2 = columns[r] * x, columns[6 + r] * y, columns[12 + r] * z
+        for t in range(first, r + 1):
+            part = a0 * columns[t] + a1 * columns[6 + t] + a2 * columns[12 + t]
+            matrix[TABLE_WIDTH * r + t] += part
+
+
+@inlined
+def add_resultant(k, i, x, y, z):
+    """Add G (x, y, z) of a chunk."""
+    b, first = chunk(k, i), 3 * (i & 1)
+    for r in range(3):
+        c = COLUMNS + first + r
+        sums(k)[RESULTANT + first + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
+    if first == 0:
+        for r in range(3, 6):
+            c = COLUMNS + r
+            sums(k)[RESULTANT + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
+
+
+@compiled
+def mark_alive(k, system):
+    """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
+    clear_matrix(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        x, y, z = _weights(b, 1.0)
+        add_squares(k, after(b, COLUMNS), 3 * (i & 1), x, y, z)
+    collect_matrix(k, system)
+    find_pivots(system)
+
+
+@inlined
+def _weights(b, weight):
+    """The weight for every free coordinate, 0 for the others."""
+    some, several, all_three = b[FREE] > 0.0, b[FREE] > 1.0, b[FREE] > 2.0
+    return where(some, weight, 0.0), where(several, weight, 0.0), where(all_three, weight, 0.0)
+
+
+@inlined
+def seen(b, system, at, torque):
+    """Gᵀx of a chunk for the x in a row of the system."""
+    first = 3 if torque else 0
+    x, y, z = system[at, first], system[at, first + 1], system[at, first + 2]
+    c = COLUMNS + first
+    y0 = b[c] * x + b[c + 1] * y + b[c + 2] * z
+    y1 = b[c + 6] * x + b[c + 7] * y + b[c + 8] * z
+    y2 = b[c + 12] * x + b[c + 13] * y + b[c + 14] * z
+    if not torque:
+        x, y, z = system[at, 3], system[at, 4], system[at, 5]
+        y0 += b[c + 3] * x + b[c + 4] * y + b[c + 5] * z
+        y1 += b[c + 9] * x + b[c + 10] * y + b[c + 11] * z
+        y2 += b[c + 15] * x + b[c + 16] * y + b[c + 17] * z
+    return y0, y1, y2
+
+
+@compiled
+def resultant(k, system, part, at):
+    """Write −Σ G x for a part x of the blocks to a row; return its largest component."""
+    clear_resultant(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        add_resultant(k, i, b[part], b[part + 1], b[part + 2])
+    for r in range(6):
+        system[at, r] = 0.0
+    collect_resultant(k, system, at, -1.0)
+    return largest_component(system, at)
+
+
+@inlined
+def largest_component(system, at):
+    """Largest size of the numbers in a row of the system."""
+    largest = 0.0
+    for r in range(6):
+        largest = max(largest, abs(system[at, r]))
+    return largest
+
+
+@compiled
+def spread_evenly(k, system):
+    """Take the candidate answer back to G g = 0, every block in proportion to the square of ‖v‖."""
+    clear_matrix(k)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
+        add_squares(k, after(b, COLUMNS), 3 * (i & 1), x, y, z)
+    collect_matrix(k, system)
+    factorise_system(system)
+    for _ in range(2):
+        resultant(k, system, ANSWER, NU_STEP)
+        solve_system(system)
+        for i in range(num_chunks(k)):
+            b = chunk(k, i)
+            x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
+            y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
+            b[ANSWER] += x * y0
+            b[ANSWER + 1] += y * y1
+            b[ANSWER + 2] += z * y2
+
+
+@compiled
+def find_pivots(system):
+    """Factorise a Gram matrix in place and mark its pivots that do not vanish."""
+    largest = 0.0
+    for r in range(6):
+        system[ALIVE, r] = system[r, r]
+        largest = max(largest, system[r, r])
+    for r in range(6):
+        least = max(DEAD * system[ALIVE, r], VOID * largest)
+        system[ALIVE, r] = 1.0 if system[r, r] > least else 0.0
+        _eliminate(system, r)
+
+
+@compiled
+def factorise_system(system):
+    """Factorise the matrix in place, without what cannot be made."""
+    for r in range(6):
+        _eliminate(system, r)
+
+
+@compiled
+def _eliminate(system, j):
+    """One column of LDLᵀ in the lower triangle, 1/D on the diagonal; 0 for a dead pivot."""
+    if not (system[ALIVE, j] > 0.0 and system[j, j] > 0.0):
+        for r in range(j, 6):
+            system[r, j] = 0.0
+        return
+    per_pivot = 1.0 / system[j, j]
+    for r in range(j + 1, 6):
+        part = system[r, j] * per_pivot
+        for t in range(j + 1, r + 1):
+            system[r, t] -= part * system[t, j]
+    for r in range(j + 1, 6):
+        system[r, j] *= per_pivot
+    system[j, j] = per_pivot
+
+
+@compiled
+def solve_system(system):
+    """Solve for dν in place."""
+    s = system
+    x0, x1, x2 = s[NU_STEP, 0], s[NU_STEP, 1], s[NU_STEP, 2]
+    x3, x4, x5 = s[NU_STEP, 3], s[NU_STEP, 4], s[NU_STEP, 5]
+    x1 -= s[1, 0] * x0
+    x2 -= s[2, 0] * x0 + s[2, 1] * x1
+    x3 -= s[3, 0] * x0 + s[3, 1] * x1 + s[3, 2] * x2
+    x4 -= s[4, 0] * x0 + s[4, 1] * x1 + s[4, 2] * x2 + s[4, 3] * x3
+    x5 -= s[5, 0] * x0 + s[5, 1] * x1 + s[5, 2] * x2 + s[5, 3] * x3 + s[5, 4] * x4
+    x5 *= s[5, 5]
+    x4 = x4 * s[4, 4] - s[5, 4] * x5
+    x3 = x3 * s[3, 3] - (s[4, 3] * x4 + s[5, 3] * x5)
+    x2 = x2 * s[2, 2] - (s[3, 2] * x3 + s[4, 2] * x4 + s[5, 2] * x5)
+    x1 = x1 * s[1, 1] - (s[2, 1] * x2 + s[3, 1] * x3 + s[4, 1] * x4 + s[5, 1] * x5)
+    tail = s[1, 0] * x1 + s[2, 0] * x2 + s[3, 0] * x3 + s[4, 0] * x4 + s[5, 0] * x5
+    s[NU_STEP, 0], s[NU_STEP, 1], s[NU_STEP, 2] = x0 * s[0, 0] - tail, x1, x2
+    s[NU_STEP, 3], s[NU_STEP, 4], s[NU_STEP, 5] = x3, x4, x5

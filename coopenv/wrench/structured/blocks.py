@@ -1,0 +1,244 @@
+"""A sample as the structured solver sees it: one block of fields for every force and every torque.
+
+Block 2i is the force of effector i, block 2i + 1 its pure torque: a vector v in a frame of its own
+in which the first ``FREE`` coordinates of its internal part g may differ from 0, and the columns G
+that carry it to the resultant. A force's frame has the lever first, the force's part across it
+second; a torque's has its own direction first. Units: the sample's largest force and lever, and
+its applied cost. A block has up to four cones, in this order:
+
+0  cost        (τ, v − g), at cost c τ
+1  ball        (‖v‖/2, g − v/2)                              eqs. 19 and 21
+2  disc        the same without the first coordinate         eq. 20
+3  disc cost   (τ, v − g) without the first coordinate, at cost c τ: the induced torque's for s = 1
+
+In memory four effectors make two chunks, their forces and their torques (`lanes`). Where a sample
+has fewer, blocks without free coordinates fill the lanes.
+"""
+
+from math import sqrt
+
+from coopenv.wrench.structured.cones import CONE, TINY
+from coopenv.wrench.structured.lanes import LANES, compiled, inlined, largest
+from coopenv.wrench.structured.memory import after, lane
+
+FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
+V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg
+KEPT = 20  # the best answer so far
+COLUMNS = 23  # G, six numbers a column
+PENDING = 41  # see `faces`
+SEEN, RIGHT, FACTOR = 42, 45, 48  # Gᵀν, ρ, L D Lᵀ, see `newton`
+FIRST_CONE = 54
+WIDTH = FIRST_CONE + 4 * CONE
+
+NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
+LEAST, CHEAP = 1e-14, 1e-9  # the same for torques that cost more than this part of a force
+RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it
+
+
+@inlined
+def norm3(x, y, z):
+    """Length of a vector."""
+    return sqrt(x * x + y * y + z * z)
+
+
+@inlined
+def chunks_for(num_effectors):
+    """Chunks for so many effectors: two for every four."""
+    return 2 * ((num_effectors + LANES - 1) // LANES)
+
+
+@inlined
+def num_chunks(k):
+    """Chunks of a sample."""
+    return k[1]
+
+
+@inlined
+def num_blocks(k):
+    """Blocks in all, those included that only fill the lanes."""
+    return LANES * k[1]
+
+
+@inlined
+def chunk(k, i):
+    """Fields of chunk i, each of four blocks at once."""
+    return after(k[0], WIDTH * i)
+
+
+@inlined
+def block(k, i):
+    """Fields of block i, each a number."""
+    return lane(chunk(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
+
+
+@inlined
+def num_cones(b):
+    """Most cones that a block of the chunk has."""
+    return int(largest(b[CONES]))
+
+
+@inlined
+def cone_of(b, c):
+    """Fields of the cones c of a chunk, as `second_order` has them."""
+    return after(b, FIRST_CONE + CONE * c)
+
+
+@compiled
+def fill(k, wrench, grips, w, induced, spare):
+    """Write the sample's blocks; return its units of force, length and cost."""
+    full, grip, frame = spare[0], spare[1], spare[2]
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(FIRST_CONE):
+            b[j] = 0.0  # the sample before may have left what is not a number
+    force, length, longest = _units(wrench, grips, full, grip)
+    cost = 0.0
+    least = max(LEAST, min(NEGLIGIBLE, CHEAP * (1.0 - w) / (w * length)))
+    for i in range(wrench.shape[0]):
+        _spread(wrench, grips, i, full, grip)
+        for r in range(3):
+            full[r] /= force
+            full[r + 3] /= force * length
+            grip[r] /= length
+        row, torque = block(k, 2 * i), block(k, 2 * i + 1)
+        _fill_force(row, full, grip, frame, wrench.shape[1] == 3, longest / length)
+        _fill_torque(torque, full, frame, wrench.shape[1] == 3, least)
+        row[PRICE], torque[PRICE] = 1.0 - w, w * length
+        row[DISC_PRICE] = induced * w * length * norm3(grip[0], grip[1], grip[2])
+        if row[CONES] == 3.0 and induced > 0.0:
+            row[CONES] = 4.0
+        cost += row[PRICE] * norm3(row[V], row[V + 1], 0.0) + row[DISC_PRICE] * abs(row[V + 1])
+        cost += torque[PRICE] * abs(torque[V])
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        b[PRICE] /= max(cost, TINY)
+        b[DISC_PRICE] /= max(cost, TINY)
+    return force, length, cost
+
+
+@compiled
+def _units(wrench, grips, full, grip):
+    """Units of force and length such that nothing exceeds 1; and the longest lever."""
+    force, torque, length = 0.0, 0.0, 0.0
+    for i in range(wrench.shape[0]):
+        _spread(wrench, grips, i, full, grip)
+        force = max(force, norm3(full[0], full[1], full[2]))
+        torque = max(torque, norm3(full[3], full[4], full[5]))
+        length = max(length, norm3(grip[0], grip[1], grip[2]))
+    longest = length
+    if force > 0.0:
+        length = max(length, torque / force)
+        return force, (length if length > 0.0 else 1.0), longest
+    length = length if length > 0.0 else 1.0
+    return (torque / length if torque > 0.0 else 1.0), length, longest
+
+
+@compiled
+def _spread(wrench, grips, i, full, grip):
+    """Write effector i's wrench and grip in three dimensions."""
+    grip[0], grip[1] = grips[i, 0], grips[i, 1]
+    if wrench.shape[1] == 3:
+        full[0], full[1], full[2] = wrench[i, 0], wrench[i, 1], 0.0
+        full[3], full[4], full[5] = 0.0, 0.0, wrench[i, 2]
+        grip[2] = 0.0
+        return
+    for r in range(6):
+        full[r] = wrench[i, r]
+    grip[2] = grips[i, 2]
+
+
+@compiled
+def _fill_force(row, full, grip, frame, planar, longest):
+    x, y, z = full[0], full[1], full[2]
+    size, lever = norm3(x, y, z), norm3(grip[0], grip[1], grip[2])
+    has_lever = lever > NEGLIGIBLE * longest
+    if has_lever:
+        set_frame(frame, grip[0] / lever, grip[1] / lever, grip[2] / lever, x, y, z)
+    elif size > 0.0:
+        set_frame(frame, x / size, y / size, z / size, 0.0, 0.0, 0.0)
+    else:
+        set_frame(frame, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    for j in range(2):
+        row[V + j] = frame[j, 0] * x + frame[j, 1] * y + frame[j, 2] * z
+    row[V + 2] = 0.0
+    radial = abs(row[V + 1]) <= RADIAL * size
+    if radial or not has_lever:
+        row[V + 1] = 0.0
+    _set_columns(row, frame, 0, lever if has_lever else 0.0)
+    row[FREE], row[CONES] = (2.0 if planar else 3.0), 3.0
+    if has_lever and radial:
+        row[FREE], row[CONES] = 1.0, 2.0
+    elif not has_lever:
+        row[CONES] = 2.0
+    if size <= NEGLIGIBLE:
+        row[FREE], row[CONES] = 0.0, 0.0
+
+
+@compiled
+def _fill_torque(row, full, frame, planar, least):
+    x, y, z = full[3], full[4], full[5]
+    size = norm3(x, y, z)
+    row[V], row[V + 1], row[V + 2] = size, 0.0, 0.0
+    if size > 0.0:
+        set_frame(frame, x / size, y / size, z / size, 0.0, 0.0, 0.0)
+    else:
+        set_frame(frame, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    _set_columns(row, frame, 3, 0.0)
+    row[FREE], row[CONES] = (1.0 if planar else 3.0), 2.0
+    if size <= least:
+        row[FREE], row[CONES] = 0.0, 0.0
+
+
+@compiled
+def _set_columns(row, frame, first, lever):
+    """Write G: the frame's axes from component ``first`` on, and the torques they induce."""
+    for j in range(18):
+        row[COLUMNS + j] = 0.0
+    for j in range(3):
+        for r in range(3):
+            row[COLUMNS + 6 * j + first + r] = frame[j, r]
+    if lever > 0.0:
+        for r in range(3):
+            row[COLUMNS + 9 + r] = lever * frame[2, r]
+            row[COLUMNS + 15 + r] = -lever * frame[1, r]
+
+
+@compiled
+def set_frame(frame, x, y, z, px, py, pz):
+    """Write the rows: the unit vector (x, y, z), the direction of p across it, their product."""
+    size = norm3(px, py, pz)
+    px, py, pz = _across(x, y, z, px, py, pz)
+    if norm3(px, py, pz) <= RADIAL * size:  # what is left is rounding, and no direction
+        if abs(x) + abs(y) > 0.1:  # any direction across, in the plane z = 0 if (x, y, z) is
+            px, py, pz = -y, x, 0.0
+        else:
+            px, py, pz = 0.0, z, -y
+    for _ in range(2):
+        size = norm3(px, py, pz)
+        px, py, pz = _across(x, y, z, px / size, py / size, pz / size)
+    frame[0, 0], frame[0, 1], frame[0, 2] = x, y, z
+    frame[1, 0], frame[1, 1], frame[1, 2] = px, py, pz
+    frame[2, 0], frame[2, 1], frame[2, 2] = y * pz - z * py, z * px - x * pz, x * py - y * px
+
+
+@compiled
+def _across(x, y, z, px, py, pz):
+    """Part of p across the unit vector (x, y, z)."""
+    along = x * px + y * py + z * pz
+    return px - along * x, py - along * y, pz - along * z
+
+
+@compiled
+def write(k, wrench, force, length, manipulation):
+    """Manipulation wrench h − g of the candidate answer, in its own units and frame."""
+    size = wrench.shape[1]
+    for i in range(wrench.shape[0]):
+        for r in range(size):
+            component = 5 if size == 3 and r == 2 else r
+            row, unit = block(k, 2 * i), force
+            if component > 2:
+                row, unit = block(k, 2 * i + 1), force * length
+            internal = 0.0
+            for j in range(3):
+                internal += row[COLUMNS + 6 * j + component] * row[ANSWER + j]
+            manipulation[i, r] = wrench[i, r] - unit * internal

@@ -1,0 +1,186 @@
+"""What an answer of the structured solver is worth: what it saves, the dual bound, rounding.
+
+For any multipliers ν of balance and any ζ in the dual cones of costs (‖ζ‖ ≤ c) and discs, with
+ζ_ball = Gᵀν − Σ ζ_cost − ζ_disc, the optimum obeys
+
+J(h) − J* ≤ Σ_cost [c‖v‖ + ζ·v] + ½ Σ_ball,disc [‖ζ‖‖v‖ + ζ·v]
+
+by weak duality; every term is ≥ 0 and is evaluated without cancellation. Costs J(h) = 1.
+"""
+
+from math import sqrt
+
+from coopenv.wrench.structured.balance import NU, NU_STEP, resultant, seen
+from coopenv.wrench.structured.blocks import (
+    ANSWER,
+    CONES,
+    DISC_PRICE,
+    FREE,
+    NEGLIGIBLE,
+    PRICE,
+    RADIUS,
+    V,
+    chunk,
+    cone_of,
+    num_chunks,
+    num_cones,
+)
+from coopenv.wrench.structured.cones import TINY, Z
+from coopenv.wrench.structured.lanes import (
+    compiled,
+    inlined,
+    larger,
+    largest,
+    root,
+    size,
+    splat,
+    total,
+    where,
+)
+
+NOISE = 1e-28  # square of an internal part that may point anywhere
+LAG = 4.0  # by which multipliers may still grow
+SLACK = 1e-15  # what an answer's own rounding makes it miss from balance of torque
+
+
+@compiled
+def shortfall(k, system):
+    """Bound on J(h) − J* from the multipliers and the cones' z."""
+    bound = splat(0.0)
+    for i in range(num_chunks(k)):
+        bound += block_shortfall(chunk(k, i), *seen(chunk(k, i), system, NU, i & 1))
+    return total(bound)
+
+
+@inlined
+def block_shortfall(b, y0, y1, y2):
+    """Terms of the bound for y = Gᵀν, which becomes ζ_ball."""
+    bound = splat(0.0)
+    for c in range(num_cones(b)):
+        if c == 1:
+            continue
+        cone, present = cone_of(b, c), b[CONES] > c
+        a0, a1, a2 = cone[Z + 1], cone[Z + 2], cone[Z + 3]
+        if c == 2:  # the program's z of a disc is −ζ
+            y1, y2 = y1 + a1, y2 + a2
+            bound += 0.5 * _defect(splat(0.0), -a1, -a2, splat(0.0), b[V + 1])
+            continue
+        price = b[PRICE] if c == 0 else b[DISC_PRICE]
+        length = _length(a0, a1, a2)
+        shrink = where(length > price, price / length, 1.0)
+        a0, a1, a2 = a0 * shrink, a1 * shrink, a2 * shrink
+        y0, y1, y2 = y0 - a0, y1 - a1, y2 - a2
+        v0 = b[V] if c == 0 else splat(0.0)
+        defect = (price - length * shrink) * _length(v0, b[V + 1], 0.0)
+        bound += where(present, defect + _defect(a0, a1, a2, v0, b[V + 1]), 0.0)
+    several, all_three = b[FREE] > 1.0, b[FREE] > 2.0
+    y1, y2, v1 = where(several, y1, 0.0), where(all_three, y2, 0.0), where(several, b[V + 1], 0.0)
+    bound += 0.5 * _defect(y0, y1, y2, b[V], v1)
+    return where(b[FREE] > 0.0, bound, 0.0)
+
+
+@inlined
+def _length(x, y, z):
+    """Length of a vector, in every lane."""
+    return root(x * x + y * y + z * z)
+
+
+@inlined
+def _defect(a0, a1, a2, b0, b1):
+    """‖a‖‖b‖ + a·b for b = (b_0, b_1, 0)."""
+    product = a0 * b0 + a1 * b1
+    square_a, square_b = a0 * a0 + a1 * a1 + a2 * a2, b0 * b0 + b1 * b1
+    sizes = root(square_a * square_b)
+    c2 = a0 * b1 - a1 * b0
+    opposed = (a2 * a2 * square_b + c2 * c2) / larger(sizes - product, TINY)
+    return where(product >= 0.0, sizes + product, opposed)
+
+
+@compiled
+def saving(k, part):
+    """J(h) − J(h − g) for g at ``part`` of the blocks, accurate where g is small."""
+    saved = splat(0.0)
+    for i in range(num_chunks(k)):
+        saved += block_saving(chunk(k, i), part)
+    return total(saved)
+
+
+@inlined
+def block_saving(b, part):
+    """J(h) − J(h − g) of four blocks."""
+    v0, v1, g0, g1, g2 = b[V], b[V + 1], b[part], b[part + 1], b[part + 2]
+    before, after = v1 * v1, (v1 - g1) * (v1 - g1) + g2 * g2
+    difference = g1 * (2.0 * v1 - g1) - g2 * g2
+    saved = splat(0.0)
+    if largest(b[CONES]) == 4.0:
+        saved = b[DISC_PRICE] * difference / larger(root(before) + root(after), TINY)
+        saved = where(b[CONES] > 3.0, saved, 0.0)
+    before += v0 * v0
+    after += (v0 - g0) * (v0 - g0)
+    difference += g0 * (2.0 * v0 - g0)
+    saved += b[PRICE] * difference / larger(root(before) + root(after), TINY)
+    return where(b[FREE] > 0.0, saved, 0.0)
+
+
+@compiled
+def undercut(k, system, saved):
+    """Estimate how far below J* an answer's cost may be, as it is right only to rounding.
+
+    To miss balance by ε is worth ε‖ν‖, ν being its multipliers: those of force are huge where
+    forces nearly agree, those of torque where levers are long or where only a very short lever
+    could compensate one. To leave a ball by ε is worth ε‖ζ‖. Both are measured, and torque counts
+    `SLACK` besides. Never more than all that is saved, since J* ≤ J(h).
+    """
+    resultant(k, system, ANSWER, NU_STEP)
+    square, worth = 0.0, 0.0
+    for r in range(6):
+        worth += abs(system[NU, r] * system[NU_STEP, r])
+    for r in range(3, 6):
+        square += system[NU, r] * system[NU, r]
+    outside = splat(0.0)
+    for i in range(num_chunks(k)):
+        outside += _worth_of_excess(chunk(k, i))
+    return min(max(saved, 0.0), SLACK * sqrt(square) + LAG * (worth + total(outside)))
+
+
+@compiled
+def neglected(k, system):
+    """What the bound would grow by for the vectors that were left as applied for their size.
+
+    ½ (‖y‖‖v‖ + y·v) for y = Gᵀν + c v/‖v‖: their ball's term where their cost's is 0.
+    """
+    bound = splat(0.0)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        y0, y1, y2 = seen(b, system, NU, i & 1)
+        length = _length(b[V], b[V + 1], 0.0)
+        per_length = 1.0 / larger(length, TINY)
+        y0, y1 = y0 + b[PRICE] * b[V] * per_length, y1 + b[PRICE] * b[V + 1] * per_length
+        y1 += where(b[V + 1] < 0.0, -b[DISC_PRICE], b[DISC_PRICE])
+        left = (b[FREE] < 1.0) & (length <= NEGLIGIBLE)
+        bound += where(left, 0.5 * _defect(y0, y1, y2, b[V], b[V + 1]), 0.0)
+    return total(bound)
+
+
+@inlined
+def _worth_of_excess(b):
+    """ε‖ζ‖ of the balls and discs that the candidate leaves by ε, of four blocks."""
+    inner, square = products(b)
+    ball = leaving(inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER], b[RADIUS])
+    disc = leaving(inner, square, 0.5 * size(b[V + 1]))
+    worth = where(b[CONES] > 1.0, ball * cone_of(b, 1)[Z], 0.0)
+    return worth + where(b[CONES] > 2.0, disc * cone_of(b, 2)[Z], 0.0)
+
+
+@inlined
+def products(b):
+    """Without the first coordinate: g·v and ‖g‖² of the candidate."""
+    g1, g2 = b[ANSWER + 1], b[ANSWER + 2]
+    return g1 * b[V + 1], g1 * g1 + g2 * g2
+
+
+@inlined
+def leaving(inner, square, radius):
+    """By how much one ball is left, from g·v and ‖g‖²; accurate near 0."""
+    out = larger(square - inner, 0.0)
+    return out / larger(root(out + radius * radius) + radius, TINY)

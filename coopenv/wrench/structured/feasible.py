@@ -1,0 +1,140 @@
+"""Iterates of the structured solver made answers: balanced, and back in every ball; compiled."""
+
+import numpy as np
+
+from coopenv.wrench.structured.balance import (
+    NU_STEP,
+    largest_component,
+    resultant,
+    seen,
+    solve_system,
+    spread_evenly,
+)
+from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chunk, num_chunks
+from coopenv.wrench.structured.bound import NOISE, leaving, products, saving
+from coopenv.wrench.structured.cones import TINY
+from coopenv.wrench.structured.curvature import under_hessian
+from coopenv.wrench.structured.lanes import (
+    compiled,
+    inlined,
+    larger,
+    largest,
+    size,
+    smaller,
+    smallest,
+    splat,
+    where,
+)
+
+EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
+OWN_EXCESS = 1e-10  # [radii] by which a torque may leave its ball in the end
+LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
+EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not corrected
+BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a patient one's
+
+
+@compiled
+def settle(k, system, part, excess, balanced):
+    """Make the g at ``part`` an answer: balanced, and in every ball; return J(h) − J.
+
+    What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
+    by shrinking everything towards 0, which keeps the balance: ‖θg‖² ≤ θ g·v.
+    """
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(3):
+            b[ANSWER + j] = b[part + j]
+    missed = _missed(k, system)
+    for _ in range(6):
+        if missed <= EVENED:
+            break
+        _balance(k, system)
+        missed = _missed(k, system)
+    if not largest_component(system, NU_STEP) <= balanced:
+        spread_evenly(k, system)
+        if not resultant(k, system, ANSWER, NU_STEP) <= balanced:
+            return -np.inf
+    room = splat(1.0)
+    for i in range(num_chunks(k)):
+        room = smaller(_room(chunk(k, i), excess), room)
+    shrink = smallest(room)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(3):
+            b[ANSWER + j] *= shrink
+    return saving(k, ANSWER)
+
+
+@compiled
+def clear(k):
+    """Leave what was applied as the answer."""
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(3):
+            b[ANSWER + j] = 0.0
+
+
+@compiled
+def fit(k):
+    """Draw torques of the answer that leave their balls by a part of themselves back into them.
+
+    By no more than `EXCESS` or `LOOSE`, which balance hardly notices.
+    """
+    for i in range(1, num_chunks(k), 2):
+        b = chunk(k, i)
+        inner, square = products(b)
+        inner, square = inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER]
+        room = _room_of(inner, square, b[RADIUS], OWN_EXCESS * b[RADIUS], TINY)
+        for j in range(3):
+            b[ANSWER + j] *= room
+
+
+@compiled
+def _missed(k, system):
+    """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
+    resultant(k, system, ANSWER, NU_STEP)
+    force, torque = splat(0.0), splat(0.0)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        own = larger(larger(size(b[ANSWER]), size(b[ANSWER + 1])), size(b[ANSWER + 2]))
+        own = where(b[FREE] > 0.0, own, 0.0)
+        if i & 1:
+            torque = larger(own, torque)
+        else:
+            force = larger(own, force)
+    unit = largest(force)
+    missed = 0.0
+    for r in range(6):
+        if r == 3:
+            unit = max(unit, largest(torque))
+        missed = max(missed, abs(system[NU_STEP, r]) / max(unit, TINY))
+    return missed
+
+
+@compiled
+def _balance(k, system):
+    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
+    solve_system(system)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        x, y, z = under_hessian(b, *seen(b, system, NU_STEP, i & 1))
+        b[ANSWER] += x
+        b[ANSWER + 1] += y
+        b[ANSWER + 2] += z
+
+
+@inlined
+def _room(b, excess):
+    """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
+    inner, square = products(b)
+    whole = square + b[ANSWER] * b[ANSWER]
+    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess, NOISE)
+    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess, NOISE)
+    return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
+
+
+@inlined
+def _room_of(inner, square, radius, excess, noise):
+    """Largest θ ≤ 1 for one ball, from g·v and ‖g‖², where that is more than noise."""
+    outside = leaving(inner, square, radius) > excess
+    return where((square > noise) & outside, larger(inner, 0.0) / larger(square, TINY), 1.0)

@@ -1,0 +1,78 @@
+"""Where the structured solver's iterations begin: the centre of every ball, compiled."""
+
+from coopenv.wrench.structured.balance import NU
+from coopenv.wrench.structured.blocks import (
+    CONES,
+    DISC_PRICE,
+    FREE,
+    PRICE,
+    RADIUS,
+    REST,
+    G,
+    V,
+    chunk,
+    cone_of,
+    num_chunks,
+    num_cones,
+)
+from coopenv.wrench.structured.cones import DET_S, DET_Z, ERROR_S, ERROR_Z, ROUNDING, S, Z
+from coopenv.wrench.structured.lanes import compiled, inlined, root, size, splat, total, where
+
+EVEN = 0.5  # s·z of a ball at the start, in mean costs of a force or torque
+
+
+@compiled
+def start(k, system):
+    """Begin in the middle of every ball, with multipliers that need no balance.
+
+    s·z of a ball is the same for all, lest a tiny force hold up the others.
+    """
+    costs, number = splat(0.0), splat(0.0)
+    for r in range(6):
+        system[NU, r] = 0.0
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        free = b[FREE] > 0.0
+        costs += where(free, b[PRICE] * _length(b[V], b[V + 1]), 0.0)
+        number += where(free, splat(1.0), 0.0)
+    target = EVEN * total(costs) / max(total(number), 1.0)
+    for i in range(num_chunks(k)):
+        b = chunk(k, i)
+        for j in range(3):
+            b[G + j] = where(b[FREE] > j, 0.5 * b[V + j], 0.0)
+            b[REST + j] = b[V + j] - b[G + j]
+        b[RADIUS] = 0.5 * _length(b[V], where(b[FREE] > 1.0, b[V + 1], 0.0))
+        for c in range(num_cones(b)):
+            _start_cone(b, c, target)
+
+
+@inlined
+def _length(x, y):
+    """Length of a vector (x, y, 0)."""
+    return root(x * x + y * y)
+
+
+@inlined
+def _start_cone(b, c, target):
+    """Put s of a ball to its centre, τ of a cost to twice the norm, and z to (z_0, 0).
+
+    z_0 is c in a cost; in a ball such that s·z = ``target``, however small it is. Where a block has
+    no such cone the lane gets s = z = (1, 0), and stays there.
+    """
+    cone, present = cone_of(b, c), b[CONES] > c
+    for r in range(1, 4):
+        cone[S + r], cone[Z + r] = 0.0, 0.0
+    square = splat(0.0)
+    if c == 0 or c == 3:
+        for j in range(1 if c == 3 else 0, 3):
+            cone[S + 1 + j] = where(present, b[REST + j], 0.0)
+            square = square + cone[S + 1 + j] * cone[S + 1 + j]
+        cone[S] = where(present, _length(b[V] if c == 0 else splat(0.0), b[V + 1]), 1.0)
+        cone[Z] = where(present, b[PRICE] if c == 0 else b[DISC_PRICE], 1.0)
+    else:
+        cone[S] = where(present, b[RADIUS] if c == 1 else 0.5 * size(b[V + 1]), 1.0)
+        cone[Z] = where(present, target / cone[S], 1.0)
+    cone[DET_S] = cone[S] * cone[S] - square
+    cone[DET_Z] = cone[Z] * cone[Z]
+    cone[ERROR_S] = ROUNDING * cone[S] * cone[S]
+    cone[ERROR_Z] = ROUNDING * cone[DET_Z]

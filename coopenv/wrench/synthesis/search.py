@@ -1,0 +1,129 @@
+"""Wished-for wrenches: closed forms first, searches for what they leave, every answer decomposed.
+
+1. Forces along the resultant (`synthesis_shares`), any number of effectors, nothing internal.
+2. Two planar effectors on a line through the centre of mass (`synthesis_pair`).
+3. Nothing internal otherwise: twists that vouch for a wrench (`synthesis_twist`), more and more.
+4. Internal wrench of two planar effectors off that line: all that can be (`synthesis_planar`).
+"""
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.wrench.decomposition import Decomposer
+from coopenv.wrench.pair import on_axis as pair
+from coopenv.wrench.synthesis import pair as synthesis_pair
+from coopenv.wrench.synthesis import planar as synthesis_planar
+from coopenv.wrench.synthesis import shares as synthesis_shares
+from coopenv.wrench.synthesis import twist as synthesis_twist
+from coopenv.wrench.synthesis.wish import Wish, internal_miss, share_miss
+
+FOUND = 1e-7  # by how much an answer may miss what is wanted: shares, and parts of the wrench
+ROUNDS = ((8, 30), (24, 40), (32, 60), (32, 60), (32, 60))  # starts, steps
+AT_ONCE = 2e5  # entries of all systems of equations that are solved at the same time
+MOST_TRIED = 8  # answers of a sample that are decomposed before another round
+
+
+def find(wish: Wish) -> tuple[FloatArray, int | None]:
+    """Applied wrenches ``(batch, n, k)`` that decompose as wanted.
+
+    Also the number of a sample for which there is none or none was found, if any; the search
+    ends there.
+    """
+    applied = _along_resultant(wish)
+    on_axis = np.asarray(pair.applies(wish.grips))
+    rows = np.flatnonzero(_missing(applied) & on_axis)
+    if len(rows):
+        applied[rows] = _as_pair(wish.rows(rows))
+    internal = wish.internal.any(axis=(-1, -2))
+    rows = np.flatnonzero(_missing(applied) & ~on_axis & internal & wish.searched)
+    if len(rows):
+        applied[rows] = synthesis_planar.find(wish.rows(rows))
+    impossible = _missing(applied) & (on_axis | internal)
+    if impossible.any():
+        return applied, int(impossible.argmax())
+    rows = np.flatnonzero(_missing(applied))
+    entries = ROUNDS[0][0] * synthesis_twist.entries(*wish.internal.shape[1:])
+    at_once = max(int(AT_ONCE / entries), 1)
+    for start in range(0, len(rows), at_once):
+        failed = _searched(wish, applied, rows[start : start + at_once])
+        if failed is not None:
+            return applied, failed
+    return applied, None
+
+
+def _searched(wish: Wish, applied: FloatArray, rows: IntArray) -> int | None:
+    """Search some samples, write what is found to ``applied``; return the first that has none."""
+    applied[rows] = _from_twists(wish.rows(rows), 0)
+    for row in rows[_missing(applied[rows])]:
+        applied[row] = _last_resort(wish.rows(np.array([row])))[0]
+        if _missing(applied[row]):
+            return int(row)
+    return None
+
+
+def _last_resort(wish: Wish) -> FloatArray:
+    """What takes longer, for one sample."""
+    for number in range(1, len(ROUNDS)):
+        found = _from_twists(wish, number)
+        if not _missing(found)[0]:
+            return found
+    return np.full(wish.internal.shape, np.nan)
+
+
+def _missing(applied: FloatArray) -> BoolArray:
+    return np.asarray(np.isnan(applied).any(axis=(-1, -2)))
+
+
+def _along_resultant(wish: Wish) -> FloatArray:
+    shares = (wish.force_share, wish.torque_share)
+    applied = synthesis_shares.find(wish.object_wrench, wish.grips, *shares)
+    missed = share_miss(np.nan_to_num(applied), wish) > FOUND
+    applied[missed | wish.internal.any(axis=(-1, -2))] = np.nan
+    return applied
+
+
+def _as_pair(wish: Wish) -> FloatArray:
+    weights = (wish.settings.torque_weight, float(wish.settings.include_induced))
+    shares = (wish.force_share[:, 0], wish.torque_share[:, 0])
+    return synthesis_pair.find(wish.object_wrench, wish.grips, wish.internal, *shares, weights)
+
+
+def _from_twists(wish: Wish, number: int) -> FloatArray:
+    """Smallest wrench of each sample that a twist vouches for, of a round of starts."""
+    found = synthesis_twist.find(
+        wish.object_wrench,
+        wish.grips,
+        wish.force_share,
+        wish.torque_share,
+        *ROUNDS[number],
+        seed=number,
+    )
+    return _smallest(found, wish)
+
+
+def _smallest(found: FloatArray, wish: Wish) -> FloatArray:
+    """Smallest of the wrenches ``(batch, m, n, k)`` of each sample that decompose as wanted."""
+    size = np.abs(found).max(axis=(-1, -2))
+    size[np.isnan(size)] = np.inf
+    answer = np.full(wish.internal.shape, np.nan)
+    rows = np.arange(len(found))
+    for _ in range(MOST_TRIED):
+        best = size[rows].argmin(axis=-1)
+        exists = np.isfinite(size[rows, best])
+        rows, best = rows[exists], best[exists]
+        if not len(rows):
+            break
+        tried = found[rows, best]
+        good = _miss(tried, wish.rows(rows)) <= FOUND
+        answer[rows[good]] = tried[good]
+        size[rows, best] = np.inf
+        rows = rows[~good]
+    return answer
+
+
+def _miss(applied: FloatArray, wish: Wish) -> FloatArray:
+    """By how much decompositions miss wishes: shares, and parts of the wrench."""
+    found = Decomposer(wish.grips, wish.settings)(applied)
+    length = np.linalg.norm(wish.grips, axis=-1).max(axis=-1)
+    miss = internal_miss(found.internal, wish.internal, applied, length)
+    return np.maximum(miss, share_miss(applied, wish))
