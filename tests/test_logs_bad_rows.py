@@ -44,7 +44,7 @@ def complaint(path, layout=BEAM):
 )
 @pytest.mark.parametrize("block", [80, 1 << 20])
 def test_the_line_and_the_column_are_named(bad, says, block, tmp_path, monkeypatch):
-    monkeypatch.setattr("coopenv.logs.csv_source.BLOCK", block)
+    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", block)
     lines = rows(9)
     path = tmp_path / "a.csv"
     path.write_text("\n".join([HEADER, *lines[:3], "", *lines[3:5], bad, *lines[5:]]) + "\n")
@@ -181,7 +181,7 @@ def test_arrays_must_fit_each_other_and_hold_numbers(tmp_path):
 
 @pytest.mark.parametrize("block", [80, 1 << 20])
 def test_a_file_of_ragged_rows_alone_is_named_line_by_line(block, tmp_path, monkeypatch):
-    monkeypatch.setattr("coopenv.logs.csv_source.BLOCK", block)
+    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", block)
     path = tmp_path / "a.csv"
     path.write_text("\n".join([HEADER, *(f"{row}," for row in rows(9))]))
     assert "line 2 must have 8 fields like the header, got 9 fields" in complaint(path)

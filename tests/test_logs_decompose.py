@@ -172,7 +172,7 @@ def test_a_method_that_does_not_go_with_the_file_is_refused_and_nothing_is_writt
 
 
 def test_a_late_bad_row_leaves_neither_table_nor_picture(tmp_path, monkeypatch):
-    monkeypatch.setattr("coopenv.logs.csv_source.BLOCK", 512)
+    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 512)
     columns = cases.planar(100)
     columns["f2y"][90] = np.nan
     path = cases.save(columns, tmp_path / "a.csv")
@@ -216,7 +216,7 @@ def test_a_folder_of_the_name_leaves_neither_table_nor_picture(tmp_path):
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_integers_of_which_some_are_missing_are_carried(suffix, missing, tmp_path, monkeypatch):
     pandas = pytest.importorskip("pandas")
-    monkeypatch.setattr("coopenv.logs.parquet_source.CHUNK_ROWS", 10)
+    monkeypatch.setattr("coopenv.logs.formats.parquet.CHUNK_ROWS", 10)
     table = pandas.DataFrame(cases.planar(40)).assign(count=pandas.array(range(40), dtype="Int64"))
     table.loc[missing, "count"] = pandas.NA
     table.to_parquet(tmp_path / "a.parquet")
@@ -235,9 +235,9 @@ def test_the_size_of_the_chunks_changes_nothing(suffix, chunk, tmp_path, monkeyp
     columns["time"] = np.concatenate([np.arange(length) * 0.1 for length in (10, 20, 10)])
     path = cases.save(columns, tmp_path / f"a{suffix}")
     whole = decompose_file(path, tmp_path / "whole.npz", layout=BEAM, picture=False)
-    monkeypatch.setattr("coopenv.logs.csv_source.BLOCK", 150 * chunk)
-    for module in ("npz_source", "parquet_source"):
-        monkeypatch.setattr(f"coopenv.logs.{module}.CHUNK_ROWS", chunk)
+    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 150 * chunk)
+    for module in ("npz", "parquet"):
+        monkeypatch.setattr(f"coopenv.logs.formats.{module}.CHUNK_ROWS", chunk)
     parts = decompose_file(path, tmp_path / "parts.npz", layout=BEAM, picture=False)
     one, other = cases.load(whole.table), cases.load(parts.table)
     for name in one:

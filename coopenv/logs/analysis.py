@@ -9,8 +9,8 @@ import numpy.typing as npt
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
+from coopenv.logs.formats.chunks import Column
 from coopenv.logs.recording import Recording
-from coopenv.logs.source import Column
 from coopenv.wrench import Decomposer, Decomposition, Settings
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs.columns import ORIENTATION, Plan
-from coopenv.logs.source import Chunk
+from coopenv.logs.formats.chunks import Chunk
 
 BAD_ROWS = ("error", "skip")
 QUATERNION_TOLERANCE = 0.01  # of its length

@@ -12,8 +12,8 @@ from coopenv.errors import InvalidInput
 from coopenv.logs import columns
 from coopenv.logs.convert import Measured
 from coopenv.logs.faults import Faults
+from coopenv.logs.formats.chunks import Chunk, Column, open_source
 from coopenv.logs.layout import Layout
-from coopenv.logs.source import Chunk, Column, open_source
 from coopenv.logs.trials import Trials
 
 

@@ -9,10 +9,10 @@ from coopenv.errors import InvalidInput
 from coopenv.files import written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.figure import Picture
+from coopenv.logs.formats.chunks import suffix_of
+from coopenv.logs.formats.sink import Sink, open_sink
 from coopenv.logs.layout import Layout
 from coopenv.logs.recording import Reader
-from coopenv.logs.sink import Sink, open_sink
-from coopenv.logs.source import suffix_of
 from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
-from coopenv.logs.source import Column
+from coopenv.logs.formats.chunks import Column
 
 
 class Trials:

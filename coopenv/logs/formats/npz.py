@@ -13,7 +13,7 @@ import numpy.typing as npt
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
-from coopenv.logs.source import CHUNK_ROWS, Chunk, row_number, value_of
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, row_number, value_of
 
 BLOCKS = ("force", "torque", "grips", "pose", "twist")
 POSE = {3: (*POSITION[2], *ORIENTATION[2]), 7: (*POSITION[3], *ORIENTATION[3])}

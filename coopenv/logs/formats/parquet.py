@@ -7,7 +7,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.logs.source import CHUNK_ROWS, Chunk, Column, row_number, value_of
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, row_number, value_of
 
 
 class ParquetSource:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.logs.source import Chunk, Column
+from coopenv.logs.formats.chunks import Chunk, Column
 
 BLOCK = 4 << 20  # [bytes] read at once
 SEPARATORS = (",", ";", "\t")

@@ -13,7 +13,7 @@ from typing import IO, Any, Protocol
 import numpy as np
 
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.logs.source import Column
+from coopenv.logs.formats.chunks import Column
 
 
 class Sink(Protocol):

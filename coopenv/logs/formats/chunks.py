@@ -57,14 +57,14 @@ def open_source(path: str | os.PathLike, decimal: str = ".") -> Source:
         raise InvalidInput(f"file must exist, got {str(path)!r}; check its name")
     kind = suffix_of(path)
     if kind == ".npz":
-        from coopenv.logs.npz_source import NpzSource
+        from coopenv.logs.formats.npz import NpzSource
 
         return NpzSource(path)
     if kind == ".parquet":
-        from coopenv.logs.parquet_source import ParquetSource
+        from coopenv.logs.formats.parquet import ParquetSource
 
         return ParquetSource(path)
-    from coopenv.logs.csv_source import CsvSource
+    from coopenv.logs.formats.text import CsvSource
 
     return CsvSource(path, decimal)
 

@@ -1,0 +1,1 @@
+"""File formats of recordings, each with its reader and its writer."""
