@@ -8,7 +8,7 @@ from typing import Any, Literal, Self
 
 from coopenv.arrays import positive, whole
 from coopenv.config import TransportConfig
-from coopenv.envs import module
+from coopenv.envs import registry as module
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import written
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.transport import REPEATS, bare_step, full_step, median
 from coopenv import Transport
-from coopenv.envs.module import PREFIX, find_config
+from coopenv.envs.registry import PREFIX, find_config
 
 SIZES = (256, 1024)
 STEPS = 40  # no episode ends in them

@@ -9,8 +9,8 @@ import sys
 import numpy as np
 
 from benchmarks.pages import DOCS, fill, filled, markdown
-from coopenv.block import Block, EachOther
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
+from coopenv.observation.block import Block, EachOther
 from coopenv.tasks import TASKS, SensedTask
 
 PAGE = DOCS / "observations.md"

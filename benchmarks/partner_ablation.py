@@ -29,7 +29,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.stats import bootstrap
 
-from coopenv.agents.controllers import ImpedanceController
+from coopenv.agents.controllers.impedance import ImpedanceController
 from coopenv.agents.curves import Row, draw
 from coopenv.agents.evaluate import Evaluation, evaluate, save
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig

@@ -12,7 +12,7 @@ from pathlib import Path
 from benchmarks.pages import DOCS, fill, filled
 from coopenv.agents.studies import commands
 from coopenv.agents.studies.claims import markdown
-from coopenv.agents.studies.people import People
+from coopenv.agents.studies.dyads.people import People
 from coopenv.files import written
 
 PAGE = DOCS / "studies.md"

@@ -16,12 +16,12 @@ from rich.console import Console
 from rich.progress import track
 
 from benchmarks.pages import DOCS, fill, markdown
+from coopenv.agents.controllers import find_controller
 from coopenv.agents.curves import Row
 from coopenv.agents.evaluate import Evaluation, evaluate
-from coopenv.agents.scripted import find_controller
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
-from coopenv.envs.module import PREFIX
+from coopenv.envs.registry import PREFIX
 
 PAGE = DOCS / "tasks.md"
 COLUMNS = ("environment", "policy", "success", "time [s]", "γ", "F_I [N]", "T_I [N·m]")

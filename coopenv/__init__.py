@@ -10,12 +10,12 @@ import gymnasium
 from coopenv import rewards, wrench
 from coopenv.body import Body
 from coopenv.config import TransportConfig
-from coopenv.envs.module import register
+from coopenv.envs.registry import register
 from coopenv.observation import BLOCKS, Block
+from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, Player
 from coopenv.randomisation import Ranges
 from coopenv.scene import Box, Scene
-from coopenv.sensor import Sensor
 from coopenv.tasks import (
     DoorwayTask,
     Episode,

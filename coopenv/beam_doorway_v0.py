@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from coopenv.envs.module import views
+from coopenv.envs.registry import views
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.scene import Scene
 from coopenv.tasks import DoorwayTask

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from coopenv.envs.module import views
+from coopenv.envs.registry import views
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]
 

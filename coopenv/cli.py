@@ -50,9 +50,9 @@ class Train:
         """Train, evaluate, draw."""
         from rich.console import Console
 
-        from coopenv.agents.controllers import RandomPolicy
+        from coopenv.agents.controllers import find_controller
+        from coopenv.agents.controllers.impedance import RandomPolicy
         from coopenv.agents.evaluate import compare, save, table
-        from coopenv.agents.scripted import find_controller
         from coopenv.agents.train import train
 
         out, config = self.training.out, self.training.environment.config()
@@ -188,8 +188,8 @@ def _read(arguments: Sequence[str] | None) -> Command:
 
 def find_policy(name: str, config: TransportConfig) -> "Policy":
     """The policy of that name for an environment: a kind of scripted one, or a trained file."""
-    from coopenv.agents.controllers import RandomPolicy
-    from coopenv.agents.scripted import find_controller
+    from coopenv.agents.controllers import find_controller
+    from coopenv.agents.controllers.impedance import RandomPolicy
 
     kind, _, allocation = name.partition(":")
     if kind == "scripted":

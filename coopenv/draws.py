@@ -10,8 +10,8 @@ from coopenv.body import Body
 from coopenv.conditions import Conditions, Load, Room, Team
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
+from coopenv.observation.sensor import Sensor
 from coopenv.scene import WALL_THICKNESS, Scene
-from coopenv.sensor import Sensor
 from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask, Pose
 from coopenv.variations import Variations
 from coopenv.wrench import Decomposer

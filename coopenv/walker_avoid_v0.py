@@ -3,7 +3,7 @@
 from typing import Any
 
 from coopenv.body import Body
-from coopenv.envs.module import views
+from coopenv.envs.registry import views
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.scene import Scene
 from coopenv.tasks.walker_avoid import WalkerAvoidTask

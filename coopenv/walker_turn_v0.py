@@ -3,7 +3,7 @@
 from typing import Any
 
 from coopenv.body import Body
-from coopenv.envs.module import views
+from coopenv.envs.registry import views
 from coopenv.tasks.walker_turn import WalkerTurnTask
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]

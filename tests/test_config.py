@@ -24,7 +24,7 @@ from coopenv import (
     WalkerAvoidTask,
     rewards,
 )
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, ranges
 from coopenv.wrench import Settings

@@ -5,7 +5,7 @@ import pytest
 from helpers import TRIO
 
 from coopenv import Body, Scene, Transport, TransportConfig
-from coopenv.agents.controllers import Gains, ImpedanceController, RandomPolicy
+from coopenv.agents.controllers.impedance import Gains, ImpedanceController, RandomPolicy
 from coopenv.agents.evaluate import evaluate, run_episodes
 from coopenv.errors import UnknownName
 from coopenv.wrench import Settings

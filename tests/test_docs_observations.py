@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks import observations
 from coopenv import BLOCKS, Block
-from coopenv.block import EachOther
+from coopenv.observation.block import EachOther
 
 
 def test_the_table_is_what_the_code_prints():

@@ -8,9 +8,10 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("statsmodels")
 
 from benchmarks import studies
-from coopenv.agents.studies import walker_avoid, walker_turn
-from coopenv.agents.studies.walker_report import Walk
-from coopenv.agents.walker_simulations import WalkerAvoid, WalkerTurn
+from coopenv.agents.studies.walker import avoid as walker_avoid
+from coopenv.agents.studies.walker import turn as walker_turn
+from coopenv.agents.studies.walker.report import Walk
+from coopenv.agents.studies.walker.simulations import WalkerAvoid, WalkerTurn
 
 TEXT = studies.PAGE.read_text(encoding="utf-8")
 

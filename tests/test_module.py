@@ -12,7 +12,7 @@ from helpers import IDS
 import coopenv
 from coopenv import Body, Transport, TransportTask, rewards
 from coopenv.cli import main
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 
 MODULE = """

@@ -19,8 +19,8 @@ from coopenv import (
     walker_avoid_v0,
     walker_turn_v0,
 )
+from coopenv.agents.controllers import find_controller
 from coopenv.agents.partners import PARTNERS, Impedance, Noisy, Population
-from coopenv.agents.scripted import find_controller
 from coopenv.errors import InvalidInput, UnknownName
 
 ID = "coopenv/BeamTransport-v0"

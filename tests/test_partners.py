@@ -8,8 +8,8 @@ import pytest
 from helpers import CLUTTERED, OPEN_ROOM, OPTIONS, TRIO
 
 from coopenv import Body, Transport, TransportConfig, TransportTask
-from coopenv.agents.controllers import Gains, ImpedanceController
-from coopenv.agents.guidance import gains_row, object_wrench
+from coopenv.agents.controllers.guidance import gains_row, object_wrench
+from coopenv.agents.controllers.impedance import Gains, ImpedanceController
 from coopenv.agents.partners import (
     PARTNERS,
     Follower,

@@ -8,7 +8,7 @@ from coopenv import BLOCKS, Body, Box, Scene, Transport
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
-from coopenv.ranges import RangeReading, read_ranges
+from coopenv.observation.ranges import RangeReading, read_ranges
 
 FAR = 100.0  # [m]; more than any room here measures
 EMPTY = Scene(size=(8.0, 6.0))

@@ -11,11 +11,11 @@ from helpers import CLUTTERED, TRIO
 from PIL import Image
 
 from coopenv import Body, Scene, Transport, TransportTask
-from coopenv.canvas import Picture
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
-from coopenv.look import AGENTS, APPLIED, ARRIVED, INTERNAL
 from coopenv.render import Renderer, save_gif, save_png
+from coopenv.render.canvas import Picture
+from coopenv.render.look import AGENTS, APPLIED, ARRIVED, INTERNAL
 from coopenv.transition import Transition
 
 SQUEEZE = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]  # both push towards the centre of mass

@@ -7,12 +7,12 @@ import pytest
 from helpers import LOOP, TRIO
 
 from coopenv import Body, DoorwayTask, Scene, TrackingTask, Transport, TransportConfig
-from coopenv.agents.controllers import ImpedanceController
-from coopenv.agents.controllers_doorway import DoorwayController
-from coopenv.agents.controllers_tracking import TrackingController
+from coopenv.agents.controllers import find_controller
+from coopenv.agents.controllers.doorway import DoorwayController
+from coopenv.agents.controllers.impedance import ImpedanceController
+from coopenv.agents.controllers.tracking import TrackingController
 from coopenv.agents.evaluate import evaluate
-from coopenv.agents.scripted import find_controller
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import UnknownName
 
 

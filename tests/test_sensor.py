@@ -13,7 +13,7 @@ import coopenv
 from coopenv import BLOCKS, Block, Sensor, Transport
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
-from coopenv.sensor import normal
+from coopenv.observation.sensor import normal
 
 NOISY = Sensor("twist", noise=0.02, bias=0.01, delay=2)
 

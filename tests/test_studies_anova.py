@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("statsmodels")
 
-from coopenv.agents.studies.anova import complete_subjects, repeated_measures
+from coopenv.agents.studies.dyads.anova import complete_subjects, repeated_measures
 from coopenv.errors import InvalidInput
 
 # Winer, Brown & Michels 1991, Statistical Principles in Experimental Design, table 4.3: reaction

@@ -8,8 +8,9 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
-from coopenv.agents.studies import beam, beam_report
-from coopenv.agents.studies.beam import MOTIONS, BeamConfig
+from coopenv.agents.studies.beam import report as beam_report
+from coopenv.agents.studies.beam import simulation as beam
+from coopenv.agents.studies.beam.simulation import MOTIONS, BeamConfig
 from coopenv.agents.studies.methods import COMPARED, decompose_by_methods
 from coopenv.errors import InvalidInput
 from coopenv.wrench import load_share, object_wrench

@@ -7,7 +7,7 @@ pytest.importorskip("scipy")
 
 from scipy.special import ndtri
 
-from coopenv.agents.studies.density import LoadDensity, Quadrants
+from coopenv.agents.studies.dyads.density import LoadDensity, Quadrants
 from coopenv.errors import InvalidInput
 
 

@@ -11,9 +11,14 @@ pytest.importorskip("matplotlib")
 
 from study_trials import GUIDES, TORQUE, UNDONE, make_trials, undone, varied
 
-from coopenv.agents.studies import dyads_report
-from coopenv.agents.studies.dyads import METHODS, analyse, internal_torques, quadrant_shares
-from coopenv.agents.studies.trials import checked_trials
+from coopenv.agents.studies.dyads import report as dyads_report
+from coopenv.agents.studies.dyads.analysis import (
+    METHODS,
+    analyse,
+    internal_torques,
+    quadrant_shares,
+)
+from coopenv.agents.studies.dyads.trials import checked_trials
 from coopenv.errors import InvalidInput
 
 OURS = "prioritized_torque"

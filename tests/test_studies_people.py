@@ -11,11 +11,11 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("pyarrow")
 
 from coopenv import cli
-from coopenv.agents.studies.dyads import GUIDES, quadrant_shares
-from coopenv.agents.studies.dyads_config import DyadsConfig
-from coopenv.agents.studies.dyads_simulation import simulate
-from coopenv.agents.studies.people import Pairs, People
-from coopenv.agents.studies.reading import read_trials
+from coopenv.agents.studies.dyads.analysis import GUIDES, quadrant_shares
+from coopenv.agents.studies.dyads.config import DyadsConfig
+from coopenv.agents.studies.dyads.people import Pairs, People
+from coopenv.agents.studies.dyads.reading import read_trials
+from coopenv.agents.studies.dyads.simulation import simulate
 from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 

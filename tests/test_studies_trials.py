@@ -8,7 +8,7 @@ pytest.importorskip("pyarrow")
 
 from study_trials import DT, STEPS, make_trials
 
-from coopenv.agents.studies import reading, trials
+from coopenv.agents.studies.dyads import reading, trials
 from coopenv.errors import InvalidInput
 from coopenv.logs import Layout
 from coopenv.scene import Box

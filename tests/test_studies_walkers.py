@@ -9,9 +9,10 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from coopenv import cli
-from coopenv.agents.studies import walker_avoid, walker_turn
-from coopenv.agents.studies.walker_report import Walk
-from coopenv.agents.walker_simulations import RollingPlan, WalkerAvoid, WalkerTurn
+from coopenv.agents.studies.walker import avoid as walker_avoid
+from coopenv.agents.studies.walker import turn as walker_turn
+from coopenv.agents.studies.walker.report import Walk
+from coopenv.agents.studies.walker.simulations import RollingPlan, WalkerAvoid, WalkerTurn
 
 TURN = WalkerTurn(dt=0.02)
 AVOID = WalkerAvoid(dt=0.02)

@@ -8,7 +8,7 @@ import pytest
 from helpers import CLUTTERED, TRIO, corners
 
 from coopenv import Body, Box, DoorwayTask, Scene, Transport, TransportTask
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.tasks.passage import GAP, GAP_Y, HALF_DEPTH, WALL_X
 

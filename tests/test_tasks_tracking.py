@@ -5,7 +5,7 @@ import pytest
 from helpers import CLUTTERED, LOOP, corners
 
 from coopenv import Body, Box, Reference, Scene, Sensor, TrackingTask, Transport
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 
 STILL = Reference(times=(0.0, 0.2), poses=((0, 0, 0), (0, 0, 0)))

@@ -9,7 +9,7 @@ from pettingzoo.test import parallel_api_test
 
 import coopenv
 from coopenv import BLOCKS, Body, Transport, TransportConfig
-from coopenv.agents.controllers import ImpedanceController
+from coopenv.agents.controllers.impedance import ImpedanceController
 from coopenv.agents.evaluate import compare
 from coopenv.rewards import PRESETS
 from coopenv.wrench import Settings

@@ -20,7 +20,7 @@ from helpers import (
 )
 
 from coopenv import Transport
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 
 AGREEING = [
     "defaults",

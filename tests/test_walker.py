@@ -8,9 +8,9 @@ from helpers import CLUTTERED
 from test_controllers import last
 
 from coopenv import Body, Box, Scene, Transport
+from coopenv.agents.controllers.walker import AvoidanceDrive, WalkerController, WalkerGains
 from coopenv.agents.evaluate import evaluate, run_episodes
-from coopenv.agents.walker import AvoidanceDrive, WalkerController, WalkerGains
-from coopenv.envs.module import find_config
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
 
 IDS = ("coopenv/WalkerTurn-v0", "coopenv/WalkerAvoid-v0")

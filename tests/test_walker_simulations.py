@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from coopenv import wrench
-from coopenv.agents.walker_simulations import Impedance, RollingPlan, WalkerAvoid, WalkerTurn
+from coopenv.agents.studies.walker.simulations import (
+    Impedance,
+    RollingPlan,
+    WalkerAvoid,
+    WalkerTurn,
+)
 from coopenv.errors import InvalidInput
 
 PLAUSIBLE = ("optimal", "point_mass")

@@ -10,9 +10,9 @@ from test_controllers import last
 import coopenv
 from coopenv import Body, Box, Scene, Transport, WalkerAvoidTask, WalkerTurnTask
 from coopenv.errors import InvalidInput
-from coopenv.nearest import NEAREST, RANGE
 from coopenv.observation import BLOCKS
 from coopenv.tasks import Episode, FurnishedTask, RollingTask
+from coopenv.tasks.nearest import NEAREST, RANGE
 from coopenv.world import World
 
 WALKER = Body.walker()

@@ -5,7 +5,7 @@ from math import cos, exp, sin
 import numpy as np
 from numba import njit
 
-from ..guidance import inlined, object_wrench, triple
+from ..controllers.guidance import inlined, object_wrench, triple
 from .chance import fraction, mixed, normal
 from .traits import (
     AWAY_TURN,

@@ -11,8 +11,8 @@ from coopenv.arrays import FloatArray, finite_array, positive, whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 
-from ..controllers import Gains
-from ..guidance import NUM_GAINS, gains_row
+from ..controllers.guidance import NUM_GAINS, gains_row
+from ..controllers.impedance import Gains
 from . import traits
 from .chance import Chance
 from .traits import Span, checked_span, drawn, highest, same_twice

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from coopenv.errors import MissingExtra
 from coopenv.scene import Box
 
-from .. import walker_simulations
-from .beam import BeamConfig
-from .dyads_config import DyadsConfig
+from .beam.simulation import BeamConfig
+from .dyads.config import DyadsConfig
+from .walker import simulations as walker_simulations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +38,8 @@ class Beam:
     def run(self) -> None:
         """Simulate, decompose, check, write."""
         console = _console()
-        from . import beam, beam_report
+        from .beam import report as beam_report
+        from .beam import simulation as beam
 
         with console.status("carrying the beam"):
             run = beam.simulate(self.simulation)
@@ -59,7 +60,7 @@ class WalkerTurn:
     def run(self) -> None:
         """Simulate, decompose, check, write."""
         console = _console()
-        from . import walker_turn
+        from .walker import turn as walker_turn
 
         with console.status("turning the walker"):
             recording = self.simulation.run()
@@ -82,7 +83,7 @@ class WalkerAvoid:
     def run(self) -> None:
         """Simulate, decompose, check, write."""
         console = _console()
-        from . import walker_avoid
+        from .walker import avoid as walker_avoid
 
         with console.status("walking towards the obstacle"):
             recording = self.simulation.run()
@@ -116,7 +117,9 @@ class Dyads:
     def run(self) -> None:
         """Read or simulate, analyse, write."""
         console = _console()
-        from . import dyads, dyads_report, dyads_simulation
+        from .dyads import analysis as dyads
+        from .dyads import report as dyads_report
+        from .dyads import simulation as dyads_simulation
 
         if self.files:
             table, source, made = self._recorded(), "recorded trials", []
@@ -142,7 +145,7 @@ class Dyads:
     def _recorded(self) -> "Table":
         from coopenv.logs import Layout
 
-        from . import reading, trials
+        from .dyads import reading, trials
 
         table = reading.read_trials(self.files, Layout.load(self.layout))
         if self.platform is None:

@@ -10,11 +10,11 @@ from coopenv.body import Body
 from coopenv.clearance import ways_to_boxes, ways_to_walls
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
-from coopenv.nearest import NEAREST
 from coopenv.observation import Block
 from coopenv.routes import next_stops
 from coopenv.scene import WALL_THICKNESS, Box, Scene
 from coopenv.tasks.base import Episode, Pose
+from coopenv.tasks.nearest import NEAREST
 from coopenv.tasks.rolling import Range, RollingTask, between, ordered, rolling_distance
 from coopenv.tasks.transport import TransportTask
 

@@ -9,11 +9,11 @@ from coopenv.arrays import BoolArray, FloatArray
 from coopenv.files import written
 from coopenv.wrench import Decomposition, energy_share, load_share
 
-from . import claims as claim_tables
-from .beam import MOTIONS, PAPER, SECTIONS, BeamRun, sections
-from .claims import Claim
-from .figures import DISAGREEMENT_PANELS, MOTION_PANELS, Curve, Panel, Trial, draw_trials
-from .methods import Look, decompose_by_methods, largest, smallest
+from .. import claims as claim_tables
+from ..claims import Claim
+from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS, Curve, Panel, Trial, draw_trials
+from ..methods import Look, decompose_by_methods, largest, smallest
+from .simulation import MOTIONS, PAPER, SECTIONS, BeamRun, sections
 
 ZERO = 1e-9  # [N, N·m] what counts as zero; wrenches are about 1, rounding about 1e-16
 FIGURE = "Figs. 12-13"

@@ -1,4 +1,4 @@
-"""Which scripted controller does which task."""
+"""Scripted controllers, and which of them does which task."""
 
 from typing import Any
 
@@ -6,11 +6,22 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.tasks import DoorwayTask, RollingTask, TrackingTask
 
-from .controllers import ImpedanceController
-from .controllers_doorway import DoorwayController
-from .controllers_tracking import TrackingController
-from .policy import Policy
+from ..policy import Policy
+from .doorway import DoorwayController
+from .impedance import Gains, ImpedanceController, RandomPolicy
+from .tracking import TrackingController
 from .walker import WalkerController
+
+__all__ = [
+    "CONTROLLERS",
+    "DoorwayController",
+    "Gains",
+    "ImpedanceController",
+    "RandomPolicy",
+    "TrackingController",
+    "WalkerController",
+    "find_controller",
+]
 
 # The first whose task it is; any other task is left to the impedance controller.
 CONTROLLERS: dict[type, type[ImpedanceController] | type[WalkerController]] = {

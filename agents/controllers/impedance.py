@@ -28,7 +28,7 @@ class ImpedanceController:
     Stateless; masses, drag and room are those of the episodes under way. The object keeps off the
     walls while it turns: where the coming turn needs more room than there is, it moves away from
     the wall first. Obstacles are not avoided. Tasks that ask for more have controllers of their
-    own, which override `wanted_motion`; see `coopenv.agents.scripted.find_controller`.
+    own, which override `wanted_motion`; see `coopenv.agents.controllers.find_controller`.
 
     Where an agent would exceed a limit, all agents' wrenches are scaled down together, so that
     the object wrench keeps its direction and the split its proportions.

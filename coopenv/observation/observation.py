@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, IntArray
-from coopenv.block import Block, EachOther
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.frames import VIEW_PARTS, view_slices
-from coopenv.privileged import privileged
-from coopenv.ranges import RangeReading, ranges
-from coopenv.sensor import Instruments, Sensor
+from coopenv.observation.block import Block, EachOther
+from coopenv.observation.privileged import privileged
+from coopenv.observation.ranges import RangeReading, ranges
+from coopenv.observation.sensor import Instruments, Sensor
 from coopenv.transition import Transition
 
 Entry: TypeAlias = str | Block | Sensor

@@ -14,11 +14,11 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.wrench import load_share
 
+from ..methods import decompose_by_methods
+from ..tables import Table
 from .anova import Effect, complete_subjects, repeated_measures
+from .config import WINDOW
 from .density import LoadDensity, Quadrants
-from .dyads_config import WINDOW
-from .methods import decompose_by_methods
-from .tables import Table
 from .trials import applied_wrenches, checked_trials, durations, elapsed, grip_positions, turned
 
 METHODS = (
@@ -64,7 +64,7 @@ def analyse(
     Parameters
     ----------
     trials
-        Columns as in `coopenv.agents.studies.trials`; with ``first``.
+        Columns as in `coopenv.agents.studies.dyads.trials`; with ``first``.
     window
         Of the internal torque, from the start of a trial [s].
     turn

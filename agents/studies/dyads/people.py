@@ -14,12 +14,12 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 
-from ..controllers import Gains
-from ..controllers_doorway import DoorwayController
-from ..guidance import gains_row
-from ..partners import Person, traits
-from ..partners.chance import Chance
-from ..partners.kinds import Kind
+from ...controllers.doorway import DoorwayController
+from ...controllers.guidance import gains_row
+from ...controllers.impedance import Gains
+from ...partners import Person, traits
+from ...partners.chance import Chance
+from ...partners.kinds import Kind
 
 Span = tuple[float, float]
 PACE = Gains(approach=2.0, speed=0.7, spin=1.0)  # of the way; each person scales it by own gains

@@ -6,8 +6,8 @@ from math import isfinite
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.canvas import Canvas, Pen, arrow, text_width
-from coopenv.look import APPLIED, CORE, EDGE, GRID, INTERNAL, SHAFT, TEXT, agent_color, ghost
+from coopenv.render.canvas import Canvas, Pen, arrow, text_width
+from coopenv.render.look import APPLIED, CORE, EDGE, GRID, INTERNAL, SHAFT, TEXT, agent_color, ghost
 from coopenv.transition import Transition
 
 READOUTS = (  # and a number for which there is to be room

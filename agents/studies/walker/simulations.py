@@ -23,7 +23,7 @@ from coopenv.tasks import RollingTask
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
 
-from .walker import AvoidanceDrive
+from ...controllers.walker import AvoidanceDrive
 
 _LIMIT = 1e4  # [N], [N·m] no limit: the paper's agents have none
 _NODES, _WEIGHTS = (1 + leggauss(8)[0]) / 2, leggauss(8)[1] / 2

@@ -7,21 +7,12 @@ import numpy as np
 from coopenv.arrays import IntArray
 from coopenv.scene import Box
 
-from ..walker_simulations import Recording, WalkerAvoid
-from .claims import Claim
-from .figures import (
-    DISAGREEMENT_PANELS,
-    MOTION_PANELS,
-    Curve,
-    Panel,
-    Trial,
-    curve,
-    first,
-    second,
-)
-from .methods import LOOKS, largest, smallest
-from .walker_report import ZERO, Walk
-from .walker_report import write as write_walk
+from ..claims import Claim
+from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS, Curve, Panel, Trial, curve, first, second
+from ..methods import LOOKS, largest, smallest
+from .report import ZERO, Walk
+from .report import write as write_walk
+from .simulations import Recording, WalkerAvoid
 
 FIGURE = "Fig. 11"
 TITLE = "walker, obstacle: the human pushes on, the drive holds it off"

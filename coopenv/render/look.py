@@ -4,7 +4,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.body import Body
-from coopenv.canvas import Color, Pen, arrow, bent_arrow
+from coopenv.render.canvas import Color, Pen, arrow, bent_arrow
 
 PAGE: Color = (255, 255, 255)
 FLOOR: Color = (248, 247, 243)

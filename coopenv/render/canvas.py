@@ -31,7 +31,7 @@ def load_pygame() -> Any:
         with redirect_stdout(None):
             import pygame
     except ImportError as error:
-        raise MissingExtra("coopenv.render", "render") from error
+        raise MissingExtra("coopenv.render.renderer", "render") from error
     return pygame
 
 

@@ -16,9 +16,9 @@ import numpy.typing as npt
 from numba import njit
 
 from coopenv.arrays import IntArray, finite_array, whole
-from coopenv.block import Block
 from coopenv.compiled import COMPILED
 from coopenv.errors import InvalidInput
+from coopenv.observation.block import Block
 from coopenv.transition import Transition
 
 _LARGEST = float(np.finfo(np.float32).max)

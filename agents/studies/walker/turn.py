@@ -7,12 +7,12 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.wrench import load_share
 
-from ..walker_simulations import Recording, WalkerTurn
-from .claims import Claim
-from .figures import DISAGREEMENT_PANELS, MOTION_PANELS
-from .methods import LOOKS, largest, smallest
-from .walker_report import ZERO, Walk
-from .walker_report import write as write_walk
+from ..claims import Claim
+from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS
+from ..methods import LOOKS, largest, smallest
+from .report import ZERO, Walk
+from .report import write as write_walk
+from .simulations import Recording, WalkerTurn
 
 FIGURE = "Fig. 10"
 TITLE = "walker, turning: the human pushes, the drive turns it"

@@ -7,9 +7,9 @@ import numpy as np
 from numba import njit
 
 from coopenv.arrays import FloatArray, number, positive, whole
-from coopenv.block import Block, EachOther
 from coopenv.compiled import COMPILED
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.observation.block import Block, EachOther
 from coopenv.transition import Transition
 
 PLACES = ("grip", "centre")

@@ -6,7 +6,7 @@ from coopenv.arrays import FloatArray
 from coopenv.tasks import passage
 from coopenv.transition import Transition
 
-from .controllers import ImpedanceController, approach, wrapped
+from .impedance import ImpedanceController, approach, wrapped
 
 _CREEP = 0.2  # [m/s] in the gap while out of line
 _SLACK = 0.02  # [m] kept from the sides of the gap

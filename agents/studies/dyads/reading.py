@@ -9,7 +9,7 @@ import pandas as pd
 from coopenv.errors import InvalidInput
 from coopenv.logs import Layout, Recording, read
 
-from .tables import Table
+from ..tables import Table
 from .trials import COLUMNS, KEYS, checked_trials, table_of
 
 
@@ -25,7 +25,7 @@ def read_trials(paths: Sequence[str | os.PathLike], layout: Layout | None = None
         Of the files.
     layout
         How columns are called, their frames and units, where the effectors hold; those of
-        `coopenv.agents.studies.trials` if ``None``. Its ``trial_columns`` name those
+        `coopenv.agents.studies.dyads.trials` if ``None``. Its ``trial_columns`` name those
         of pair, condition and trial, in this order.
 
     Raises

@@ -17,11 +17,11 @@ from coopenv.tasks import DoorwayTask
 from coopenv.tasks.passage import first_to_enter, grips_in_world
 from coopenv.transport import Transport
 
-from .claims import number, save_rows
-from .dyads import GUIDES
-from .dyads_config import DyadsConfig
+from ..claims import number, save_rows
+from ..tables import Table
+from .analysis import GUIDES
+from .config import DyadsConfig
 from .people import Pairs, Traits
-from .tables import Table
 from .trials import table_of
 
 SOURCE = "simulated people"
@@ -33,7 +33,7 @@ STILL = 0.05, 0.05  # [m/s], [rad/s] below which it rests
 class DyadsRun:
     """What the simulated study recorded; worlds are pair-major, then guide, then trial."""
 
-    trials: Table  # see coopenv.agents.studies.trials
+    trials: Table  # see coopenv.agents.studies.dyads.trials
     arrived: IntArray  # (pair, guide): trials in which the beam came to rest on the final platform
     first: IntArray  # (pair, guide): trials in which agent 1 entered the final platform first
     duration: FloatArray  # (pair, guide): mean over trials [s]

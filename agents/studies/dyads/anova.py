@@ -15,7 +15,7 @@ from statsmodels.stats.anova import AnovaRM
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 
-from .tables import Table
+from ..tables import Table
 
 ROUNDING = 1e-12  # relative spread between subjects that counts as none
 

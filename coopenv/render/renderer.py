@@ -10,11 +10,11 @@ import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, positive, whole
 from coopenv.body import Body
-from coopenv.canvas import Canvas, Picture, Window, around
-from coopenv.caption import Caption
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.files import written
-from coopenv.look import (
+from coopenv.render.canvas import Canvas, Picture, Window, around
+from coopenv.render.caption import Caption
+from coopenv.render.look import (
     APPLIED,
     ARRIVED,
     BODY,

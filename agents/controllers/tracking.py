@@ -6,7 +6,7 @@ from coopenv.arrays import FloatArray
 from coopenv.tasks import TrackingTask
 from coopenv.transition import Transition
 
-from .controllers import ImpedanceController, wrapped
+from .impedance import ImpedanceController, wrapped
 
 
 class TrackingController(ImpedanceController):

@@ -13,12 +13,12 @@ from coopenv.files import written
 from coopenv.scene import Box
 from coopenv.wrench import Decomposition, energy_share, load_share
 
-from ..walker_simulations import Recording
-from . import claims as claim_tables
-from .claims import Claim
-from .figures import BLUE, GREY, ORANGE, Panel, Trial, new_figure, save_figure
-from .methods import decompose_by_methods
-from .sheet import draw_sheet
+from .. import claims as claim_tables
+from ..claims import Claim
+from ..figures import BLUE, GREY, ORANGE, Panel, Trial, new_figure, save_figure
+from ..methods import decompose_by_methods
+from ..sheet import draw_sheet
+from .simulations import Recording
 
 ZERO = 1e-9  # [N, N·m] what counts as zero; wrenches are about 10, rounding about 1e-15
 _MEASURES = (

@@ -11,7 +11,7 @@ One row a sample. Columns:
                                0 where neither does or both at once; the same all through a trial
 
 Files may call them otherwise and have other units: see
-`coopenv.agents.studies.reading`. Further columns are left
+`coopenv.agents.studies.dyads.reading`. Further columns are left
 alone.
 """
 
@@ -26,7 +26,7 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
 from coopenv.scene import Box
 
-from .tables import Table
+from ..tables import Table
 
 KEYS = ("pair", "condition", "trial")
 POSE = ("x", "y", "theta")

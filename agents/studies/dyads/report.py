@@ -7,11 +7,11 @@ import numpy as np
 
 from coopenv.files import written
 
-from . import claims as claim_tables
-from .claims import Claim, number
-from .dyads import QUADRANTS, DyadAnalysis
-from .figures import new_figure, save_figure
-from .methods import LOOKS
+from .. import claims as claim_tables
+from ..claims import Claim, number
+from ..figures import new_figure, save_figure
+from ..methods import LOOKS
+from .analysis import QUADRANTS, DyadAnalysis
 
 # Donner, Endo & Buss 2018, section VI: 12 pairs; mean and standard deviation over pairs.
 HUMAN_TORQUE = {"one": (0.1548, 0.0693), "both": (0.1486, 0.0623)}  # [N·m], ours (pTtTC)

@@ -1,0 +1,1 @@
+"""Beam transport: the simulation of the paper's section V-B."""

@@ -1,0 +1,1 @@
+"""The human study of the paper's section VI, simulated and analysed."""
