@@ -18,7 +18,7 @@ from benchmarks.pages import DOCS, fill
 from coopenv import Body, Scene, TransportConfig
 from coopenv import wrench as wrench_module
 from coopenv.arrays import FloatArray
-from coopenv.world import World
+from coopenv.physics.world import World
 
 NUM_WORLDS, NUM_STEPS, HOLD, DT = 512, 200, 10, 0.05
 REFERENCE, CHOICES = 200, (1, 2, 3, 5, 10, 20)

@@ -8,14 +8,14 @@ from importlib.metadata import version
 import gymnasium
 
 from coopenv import rewards, wrench
-from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.envs.registry import register
 from coopenv.observation import BLOCKS, Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, Player
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Box, Scene
 from coopenv.randomisation import Ranges
-from coopenv.scene import Box, Scene
 from coopenv.tasks import (
     DoorwayTask,
     Episode,

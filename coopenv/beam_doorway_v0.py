@@ -4,7 +4,7 @@ from typing import Any
 
 from coopenv.envs.registry import views
 from coopenv.observation import DEFAULT_BLOCKS
-from coopenv.scene import Scene
+from coopenv.physics.scene import Scene
 from coopenv.tasks import DoorwayTask
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]

@@ -7,10 +7,10 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray
-from coopenv.body import Body
-from coopenv.scene import Scene
+from coopenv.geometry import frames
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.wrench import Decomposer, Settings
 
 
@@ -19,7 +19,7 @@ class Team:
     """The effectors of every world: where they hold and how strong they are."""
 
     grips: FloatArray  # (world, agent, 2), object frame [m]
-    frame: FloatArray  # (world, agent, 2): see `coopenv.frames`
+    frame: FloatArray  # (world, agent, 2): see `coopenv.geometry.frames`
     limits: FloatArray  # (world, agent, 2): force [N] and torque [N·m] an action of 1 stands for
     settings: Settings  # of the environment's own decomposition
     alike: bool  # whether every world has the same grips

@@ -9,15 +9,15 @@ from typing import Any, Self
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array, positive, whole
-from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, find_blocks
 from coopenv.observation.block import Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Box, Scene
 from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
-from coopenv.scene import Box, Scene
 from coopenv.tasks import TASKS, SensedTask, Task, TransportTask
 from coopenv.variations import Variations
 from coopenv.wrench import Settings

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray
-from coopenv.body import Body
 from coopenv.conditions import Conditions, Load, Room, Team
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.observation.sensor import Sensor
-from coopenv.scene import WALL_THICKNESS, Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import WALL_THICKNESS, Scene
 from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask, Pose
 from coopenv.variations import Variations
 from coopenv.wrench import Decomposer

@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array
-from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.physics.body import Body
 
 Range: TypeAlias = tuple[float, float]  # lowest and highest; both may be the same
 

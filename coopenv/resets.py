@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
 from coopenv.errors import InvalidInput
-from coopenv.scene import Scene
+from coopenv.physics.scene import Scene
 
 Seed = int | Sequence[int | None] | None
 

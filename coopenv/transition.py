@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.conditions import Conditions, Team
+from coopenv.geometry import frames
 from coopenv.wrench import Decomposition, Settings
 
 
@@ -74,7 +74,7 @@ class Transition:
         return found
 
     def agent_view(self) -> npt.NDArray[np.float32]:
-        """What each agent's frame shows of this step; see `coopenv.frames.agent_view`."""
+        """What each agent's frame shows of this step; see `coopenv.geometry.frames.agent_view`."""
         decomposition, state = self.decomposition, self.next_state
         share = decomposition.load_share
         return frames.agent_view(

@@ -7,22 +7,22 @@ import numpy.typing as npt
 from gymnasium.utils import seeding
 from numba import njit
 
-from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
-from coopenv.body import Body
 from coopenv.conditions import Conditions, Team
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.draws import Draws
 from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.geometry import frames
 from coopenv.info import Info, copied, replaced, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.partner import Company
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
+from coopenv.physics.world import World
 from coopenv.resets import Seed, check_free, given_pose, marked_worlds, world_seeds
 from coopenv.rewards import find_reward
-from coopenv.scene import Scene
 from coopenv.tasks import JudgedTask, MovingTask, WayTask
 from coopenv.transition import State, Transition
-from coopenv.world import World
 from coopenv.wrench.grasp import sum_at_centre
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.body import Body, Points, copied, second_moments
+from coopenv.physics.body import Body, Points, copied, second_moments
 from coopenv.randomisation import Range, Ranges
 
 _FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction")

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from coopenv.body import Body
 from coopenv.envs.registry import views
 from coopenv.observation import DEFAULT_BLOCKS
-from coopenv.scene import Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks.walker_avoid import WalkerAvoidTask
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]

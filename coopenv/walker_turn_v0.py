@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from coopenv.body import Body
 from coopenv.envs.registry import views
+from coopenv.physics.body import Body
 from coopenv.tasks.walker_turn import WalkerTurnTask
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]

@@ -6,8 +6,8 @@ import pytest
 from helpers import CLUTTERED, corners
 
 from coopenv import Body, Box, Scene
-from coopenv.clearance import ways_to_boxes, ways_to_walls
 from coopenv.conditions import Load, Room
+from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
 
 TRIANGLE = Body(outline=((-0.5, -0.4), (0.8, 0.0), (-0.5, 0.4)))
 BODIES = {"walker": Body.walker(), "beam": Body(), "triangle": TRIANGLE}

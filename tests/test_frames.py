@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coopenv import frames
+from coopenv.geometry import frames
 
 GENERATOR = np.random.default_rng(0)
 GRIPS = GENERATOR.uniform(-1, 1, (4, 3, 2))  # (world, agent, xy)

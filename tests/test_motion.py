@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from coopenv import motion
+from coopenv.physics import motion
 
 MASS, INERTIA = 7.7, 2.5  # [kg], [kg·m²]
 FORCE = np.array([12.0, -5.0])  # [N], object frame

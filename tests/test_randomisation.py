@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coopenv import Body, Ranges, Scene, Transport, TransportConfig
-from coopenv.body import second_moments
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.physics.body import second_moments
 from coopenv.variations import Variations
 from coopenv.wrench import Settings
 

@@ -7,7 +7,7 @@ import pytest
 
 from coopenv import Box, Scene
 from coopenv.conditions import Room
-from coopenv.routes import next_stops
+from coopenv.geometry.routes import next_stops
 
 
 def way(start, goal, *boxes, radius=0.5, size=(10.0, 10.0)):

@@ -5,7 +5,7 @@ import pytest
 
 from coopenv import Box, Scene
 from coopenv.errors import InvalidInput
-from coopenv.scene import WALL_THICKNESS
+from coopenv.physics.scene import WALL_THICKNESS
 
 
 def inside(points, polygon):

@@ -11,7 +11,7 @@ from study_trials import DT, STEPS, make_trials
 from coopenv.agents.studies.dyads import reading, trials
 from coopenv.errors import InvalidInput
 from coopenv.logs import Layout
-from coopenv.scene import Box
+from coopenv.physics.scene import Box
 
 
 def test_trials_come_back_from_files_in_order(tmp_path):

@@ -11,9 +11,9 @@ import coopenv
 from coopenv import Body, Box, Scene, Transport, WalkerAvoidTask, WalkerTurnTask
 from coopenv.errors import InvalidInput
 from coopenv.observation import BLOCKS
+from coopenv.physics.world import World
 from coopenv.tasks import Episode, FurnishedTask, RollingTask
 from coopenv.tasks.nearest import NEAREST, RANGE
-from coopenv.world import World
 
 WALKER = Body.walker()
 ROOM = Scene(size=(8.0, 6.0))

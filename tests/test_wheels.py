@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from coopenv import Body, Box, Scene, Transport, motion
+from coopenv import Body, Box, Scene, Transport
 from coopenv.errors import InvalidInput
-from coopenv.world import World
+from coopenv.physics import motion
+from coopenv.physics.world import World
 
 WALKER = Body.walker()
 LIGHT = Body.walker(mass=8.0, inertia=0.5, linear_drag=6.0, angular_drag=2.0)

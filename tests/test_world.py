@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 
 from coopenv import Body, Box, Scene
 from coopenv.errors import BodyLost
-from coopenv.scene import WALL_THICKNESS
-from coopenv.world import SHARD_SIZE, World
+from coopenv.physics.scene import WALL_THICKNESS
+from coopenv.physics.world import SHARD_SIZE, World
 
 DT = 0.05  # [s]
 FREE = Body(linear_drag=0.0, angular_drag=0.0, friction=0.0)

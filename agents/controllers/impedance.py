@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from coopenv import frames
 from coopenv.arrays import FloatArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import UnknownName
+from coopenv.geometry import frames
 from coopenv.transition import Transition
 from coopenv.wrench import allocate
 from coopenv.wrench.methods.pseudoinverse import ALLOCATIONS

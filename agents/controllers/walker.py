@@ -6,13 +6,13 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from coopenv import frames
 from coopenv.arrays import FloatArray, positive
-from coopenv.body import Body
-from coopenv.clearance import WALLS, ways_to_boxes, ways_to_walls
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.routes import next_stops
+from coopenv.geometry import frames
+from coopenv.geometry.clearance import WALLS, ways_to_boxes, ways_to_walls
+from coopenv.geometry.routes import next_stops
+from coopenv.physics.body import Body
 from coopenv.transition import Transition
 
 _WALLS = np.array(WALLS)
@@ -96,8 +96,9 @@ class WalkerController:
 
     Turns towards the way, drives with a swing that ends in the goal's angle (polar coordinates,
     Aicardi et al. 1995), and turns on the spot where that is left over. Obstacles are passed on
-    the shortest way for a disc about the body (`coopenv.routes`). Inverse dynamics make the wrench;
-    agent 0 gives the force along x, the last agent the torque, so none of it is internal.
+    the shortest way for a disc about the body (`coopenv.geometry.routes`). Inverse dynamics make
+    the wrench; agent 0 gives the force along x, the last agent the torque, so none of it is
+    internal.
 
     Stateless. With ``action="force"`` agent 0 turns the body by pushing across it.
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from coopenv.errors import MissingExtra
-from coopenv.scene import Box
+from coopenv.physics.scene import Box
 
 from .beam.simulation import BeamConfig
 from .dyads.config import DyadsConfig

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.frames import VIEW_PARTS, view_slices
+from coopenv.geometry.frames import VIEW_PARTS, view_slices
 from coopenv.observation.block import Block, EachOther
 from coopenv.observation.privileged import privileged
 from coopenv.observation.ranges import RangeReading, ranges

@@ -236,7 +236,8 @@ def read_ranges(
     pose
         ``(world, 3)``, world frame.
     grips, frame
-        ``(world, agent, 2)``: where the rays start, object frame [m]; see `coopenv.frames`.
+        ``(world, agent, 2)``: where the rays start, object frame [m]; see
+        `coopenv.geometry.frames`.
     size, boxes, axes, count
         ``(world, 2)``, ``(world, box, 5)``, ``(world, box, 2)``, ``(world,)``: see
         `coopenv.conditions.Room`.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.body import Body
+from coopenv.physics.body import Body
 from coopenv.render.canvas import Color, Pen, arrow, bent_arrow
 
 PAGE: Color = (255, 255, 255)

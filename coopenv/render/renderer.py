@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, positive, whole
-from coopenv.body import Body
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.files import written
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.render.canvas import Canvas, Picture, Window, around
 from coopenv.render.caption import Caption
 from coopenv.render.look import (
@@ -35,7 +36,6 @@ from coopenv.render.look import (
     wheels,
     wrench_arrows,
 )
-from coopenv.scene import Scene
 from coopenv.tasks import MarkedTask
 from coopenv.transition import Transition
 

@@ -7,9 +7,9 @@ from typing import Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.body import Body
 from coopenv.observation import Block
-from coopenv.scene import Box, Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Box, Scene
 
 Pose: TypeAlias = tuple[float, float, float]  # x, y [m], θ [rad]
 

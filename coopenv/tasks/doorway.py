@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, finite_array, positive, whole
-from coopenv.body import Body
 from coopenv.errors import InvalidInput
 from coopenv.observation import Block
-from coopenv.scene import Box, Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Box, Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.passage import narrowest, seen_gap, way_through
 from coopenv.tasks.pose import PoseTask, free_pose

@@ -3,7 +3,7 @@
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.clearance import ways_to_boxes
+from coopenv.geometry.clearance import ways_to_boxes
 from coopenv.observation import Block
 from coopenv.transition import Transition
 

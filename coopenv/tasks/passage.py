@@ -8,8 +8,8 @@ import numpy.typing as npt
 from numba import njit
 
 from coopenv.arrays import FloatArray, finite_array
-from coopenv.body import Points
 from coopenv.errors import InvalidInput
+from coopenv.physics.body import Points
 from coopenv.tasks.pose import turn_between
 
 # What a layout is, one row a world; the passage leads along x.

@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 
 from coopenv.arrays import BoolArray, FloatArray, positive
-from coopenv.body import Body
-from coopenv.scene import Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Pose
 
 _TRIES = 1000

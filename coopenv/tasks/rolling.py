@@ -57,7 +57,7 @@ def ordered(value: Any, name: str, *, unit: str, at_most: float = np.inf) -> Ran
 
 @njit(cache=True)
 def rolling_distance(pose, goal, stop, way, angle_weight, blur):  # pragma: no cover - compiled
-    """See `RollingTask.distance`; along ways that `coopenv.routes.next_stops` tells of."""
+    """See `RollingTask.distance`; along ways that `coopenv.geometry.routes.next_stops` tells of."""
     distance = np.empty(len(pose))
     for k in range(len(pose)):
         straight = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
@@ -77,7 +77,7 @@ def rolling_distance(pose, goal, stop, way, angle_weight, blur):  # pragma: no c
 
 @njit(cache=True)
 def _straight(pose, goal):  # pragma: no cover - compiled
-    """The way where nothing is in between, as `coopenv.routes.next_stops` tells it."""
+    """The way where nothing is in between, as `coopenv.geometry.routes.next_stops` tells it."""
     way = np.zeros((len(pose), 3))
     for k in range(len(pose)):
         dx, dy = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]

@@ -10,10 +10,10 @@ import numpy as np
 from numba import njit
 
 from coopenv.arrays import BoolArray, FloatArray, positive, whole
-from coopenv.body import Body
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import Block
-from coopenv.scene import Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.pose import PoseTask, free_pose
 from coopenv.tasks.reference import PEAK, Reference, minimum_jerk_motion

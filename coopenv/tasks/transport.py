@@ -5,9 +5,9 @@ from math import hypot, pi
 
 import numpy as np
 
-from coopenv.body import Body
 from coopenv.errors import InvalidInput
-from coopenv.scene import Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.pose import PoseTask, free_pose
 

@@ -6,13 +6,13 @@ from math import hypot, pi
 import numpy as np
 
 from coopenv.arrays import FloatArray, positive, whole
-from coopenv.body import Body
-from coopenv.clearance import ways_to_boxes, ways_to_walls
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
+from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
+from coopenv.geometry.routes import next_stops
 from coopenv.observation import Block
-from coopenv.routes import next_stops
-from coopenv.scene import WALL_THICKNESS, Box, Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import WALL_THICKNESS, Box, Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.nearest import NEAREST
 from coopenv.tasks.rolling import Range, RollingTask, between, ordered, rolling_distance
@@ -69,8 +69,9 @@ class WalkerAvoidTask(RollingTask):
     def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
         """`RollingTask.distance` along the shortest way round the episode's obstacles.
 
-        The way is that of a disc about the body (`coopenv.routes`), the turns at its corners count
-        too. Obstacles that the scene has of its own are not in the plan, and not in the way.
+        The way is that of a disc about the body (`coopenv.geometry.routes`), the turns at its
+        corners count too. Obstacles that the scene has of its own are not in the plan, and not in
+        the way.
         """
         boxes = plan[:, 3:].reshape(len(plan), self.obstacles, 5)
         count = np.full(len(plan), self.obstacles)

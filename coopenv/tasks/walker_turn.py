@@ -6,11 +6,11 @@ from math import pi
 import numpy as np
 from numba import njit
 
-from coopenv.body import Body
-from coopenv.clearance import ways_to_boxes, ways_to_walls
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
-from coopenv.scene import Scene
+from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.rolling import Range, RollingTask, ordered
 from coopenv.tasks.transport import TransportTask

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coopenv import frames
 from coopenv.arrays import BoolArray, FloatArray, positive
-from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.scene import Scene
+from coopenv.geometry import frames
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks import TransportTask
 from coopenv.transport import Transport
 from coopenv.wrench import allocate

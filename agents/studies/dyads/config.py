@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 
 from coopenv.arrays import positive, whole
-from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.scene import Scene
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
 from coopenv.tasks import DoorwayTask
 
 from .people import People

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from coopenv import frames
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.files import written
+from coopenv.geometry import frames
 from coopenv.tasks import DoorwayTask
 from coopenv.tasks.passage import first_to_enter, grips_in_world
 from coopenv.transport import Transport

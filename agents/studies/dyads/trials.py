@@ -24,7 +24,7 @@ import pandas as pd
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
-from coopenv.scene import Box
+from coopenv.physics.scene import Box
 
 from ..tables import Table
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from coopenv.arrays import IntArray
-from coopenv.scene import Box
+from coopenv.physics.scene import Box
 
 from ..claims import Claim
 from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS, Curve, Panel, Trial, curve, first, second

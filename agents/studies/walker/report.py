@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.body import Points
 from coopenv.files import written
-from coopenv.scene import Box
+from coopenv.physics.body import Points
+from coopenv.physics.scene import Box
 from coopenv.wrench import Decomposition, energy_share, load_share
 
 from .. import claims as claim_tables

@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from coopenv import frames
 from coopenv.arrays import FloatArray, positive, whole
-from coopenv.body import Body
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.scene import Box, Scene
+from coopenv.geometry import frames
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Box, Scene
 from coopenv.tasks import RollingTask
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport

@@ -12,11 +12,11 @@ import numpy as np
 import pymunk
 import pymunk.batch as batch
 
-from coopenv import motion
 from coopenv.arrays import FloatArray, IntArray
-from coopenv.body import Body
 from coopenv.errors import BodyLost
-from coopenv.scene import WALL_THICKNESS, Scene
+from coopenv.physics import motion
+from coopenv.physics.body import Body
+from coopenv.physics.scene import WALL_THICKNESS, Scene
 
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
 SOLVER_ITERATIONS = 10
@@ -57,7 +57,7 @@ class World:
         ``(world, 3)``: (x, y, θ) [m, rad], not wrapped, and its rate; world frame.
     contact_impulse
         ``(world,)`` [N·s] what walls and obstacles gave the body during the last `step`; see
-        `coopenv.motion.collect`.
+        `coopenv.physics.motion.collect`.
     """
 
     def __init__(

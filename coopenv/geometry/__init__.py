@@ -1,0 +1,1 @@
+"""Frames and angles, distances to walls and boxes, and ways around them."""
