@@ -8,7 +8,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO
 
 import coopenv
 from coopenv import (
@@ -28,6 +27,7 @@ from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, ranges
 from coopenv.wrench import Settings
+from tests.helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO
 
 HALL = Scene(size=(7.0, 4.0))
 

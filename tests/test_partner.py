@@ -7,7 +7,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from helpers import EASY, NEVER, TRIO, actions, assert_same
 
 from coopenv import (
     Body,
@@ -22,6 +21,7 @@ from coopenv import (
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.partners import PARTNERS, Impedance, Noisy, Population
 from coopenv.errors import InvalidInput, UnknownName
+from tests.helpers import EASY, NEVER, TRIO, actions, assert_same
 
 ID = "coopenv/BeamTransport-v0"
 TRUTH = {"partner_plan", "partner_has_plan", "disagreement", "partner_kind"}

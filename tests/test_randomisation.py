@@ -5,7 +5,6 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
-from helpers import ALONG, TRIO, WIDE, actions, assert_same
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.physics.body import second_moments
 from coopenv.variations import Variations
 from coopenv.wrench import Settings
+from tests.helpers import ALONG, TRIO, WIDE, actions, assert_same
 
 LIMITS = np.array([(10.0, 5.0)] * 3)
 SHARES = st.floats(0, 1)

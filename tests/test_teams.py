@@ -4,7 +4,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from helpers import leaves
 from pettingzoo.test import parallel_api_test
 
 import coopenv
@@ -13,6 +12,7 @@ from coopenv.agents.controllers.impedance import ImpedanceController
 from coopenv.agents.evaluate import compare
 from coopenv.rewards import PRESETS
 from coopenv.wrench import Settings
+from tests.helpers import leaves
 
 COUNTS = (1, 3, 4, 8)
 ID = "coopenv/BeamTransport-v0"

@@ -9,7 +9,12 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from helpers import (
+
+import coopenv
+from coopenv import Body, Scene, Transport, TransportTask
+from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.rewards import PRESETS
+from tests.helpers import (
     CLUTTERED,
     EASY,
     NEVER,
@@ -22,11 +27,6 @@ from helpers import (
     corners,
     spoil,
 )
-
-import coopenv
-from coopenv import Body, Scene, Transport, TransportTask
-from coopenv.errors import InvalidInput, ResetNeeded
-from coopenv.rewards import PRESETS
 
 FAR = (2.9, 2.9, 1.0)  # a goal nothing reaches by chance
 

@@ -1,0 +1,61 @@
+"""The page on recordings says what the code does, and its example runs."""
+
+import re
+
+import numpy as np
+
+from benchmarks import recordings
+from coopenv.logs import Layout, analyse, read
+from coopenv.logs.columns import is_documented
+from tests.logs import cases
+
+TEXT = recordings.PAGE.read_text(encoding="utf-8")
+
+
+def test_the_tables_are_what_the_code_prints():
+    # else: python -m benchmarks.recordings --write
+    assert recordings.page() == TEXT
+
+
+def test_every_column_of_the_page_is_understood():
+    table = TEXT.split("<!-- columns -->")[1]
+    named = {name for row in table.splitlines()[3:] for name in re.findall(r"`(\w+)`", row)}
+    named -= {"pair", "condition", "trial"}
+    assert len(named) > 24
+    assert all(is_documented(name) for name in named)
+
+
+def test_every_result_is_on_the_page_and_in_the_table(tmp_path):
+    columns = cases.planar(3)
+    path = cases.save(columns, tmp_path / "a.npz")
+    made = set(analyse(read(path, Layout(grips=cases.BEAM))).columns)
+    made -= set(columns) | {"r1x", "r1y", "r2x", "r2y"}
+    table = TEXT.split("<!-- results -->")[1]
+    named = re.findall(r"^\| `(\w+)`( …)?", table, flags=re.MULTILINE)
+    for name, more in named:
+        assert name in made
+        pattern = name.replace("f1x", r"[ft]\d[xyz]").replace("share_1", r"share_\d")
+        assert (pattern != name) == bool(more)
+        made = {each for each in made if not re.fullmatch(pattern, each)}
+    assert not made
+
+
+def test_the_code_of_the_page_runs(tmp_path, monkeypatch):
+    import pytest
+
+    pytest.importorskip("pandas")
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    columns = cases.planar(20)
+    cases.save(columns, tmp_path / "trial.csv")
+    (block,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
+    names: dict = {}
+    exec(compile(block, str(recordings.PAGE), "exec"), names)
+    assert names["summary"].rows == 20
+    (toml,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.DOTALL)
+    (tmp_path / "lab.toml").write_text(toml)
+    layout = Layout.load("lab.toml")
+    theirs = {"time": "t", "f1x": "Fx_left", "t1z": "Mz_left"}
+    renamed = {theirs.get(name, name): values for name, values in columns.items()}
+    recording = read(cases.save(renamed, tmp_path / "b.npz"), layout)
+    np.testing.assert_allclose(recording.applied[:, 0, 2], -columns["t1z"])

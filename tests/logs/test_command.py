@@ -1,0 +1,95 @@
+"""coopenv decompose, as a user calls it."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("tyro")
+pytest.importorskip("pyarrow")
+pytest.importorskip("matplotlib")
+
+from coopenv import cli
+from tests.logs import cases
+
+
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "120")
+
+
+def run(*arguments) -> int:
+    return cli.main([str(argument) for argument in arguments])
+
+
+def test_it_prints_a_summary_and_leaves_table_and_picture(tmp_path, capsys):
+    columns = cases.planar() | {"trial": np.repeat([1, 2], 20)}
+    columns["Fx left"] = -columns.pop("f1x") / 1000
+    columns |= {name: values / 1000 for name, values in columns.items() if name[0] == "f"}
+    path = cases.save(columns, tmp_path / "trial.csv")
+    options = ("--map", "f1x=-Fx left", "--force", "kN", "--grips", *cases.BEAM)
+    assert run("decompose", path, *options) == 0
+    printed = capsys.readouterr().out
+    for word in ("40 rows, 2 trials, 0.380 s", "optimal by pair", "balance", "0 fallbacks",
+                 "relative_cost", "internal_force_level [N]", "energy_share_2", "median",
+                 "undefined", "trial.decomposed.csv"):  # fmt: skip
+        assert word in printed
+    table = cases.load(tmp_path / "trial.decomposed.csv")
+    np.testing.assert_allclose(table["f1x"], cases.planar()["f1x"])
+    assert (tmp_path / "trial.decomposed.png").exists()
+
+
+def test_the_summary_fits_eighty_columns(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    columns = cases.planar()
+    columns |= {name: 1.234e-6 * columns[name] for name in columns if name[0] in "ftv"}
+    columns["time"] = cases.planar()["time"]
+    path = cases.save(columns, tmp_path / "trial.csv")
+    assert run("decompose", path, "--grips", *cases.BEAM, "--no-picture") == 0
+    lines = capsys.readouterr().out.splitlines()
+    heading = next(line for line in lines if "median" in line)
+    assert heading.split() == ["mean", "median", "5", "%", "95", "%", "largest", "undefined"]
+    assert not any("…" in line for line in lines)
+    assert max(map(len, lines[:-1])) <= 80
+
+
+def test_options_may_come_from_a_file(tmp_path, capsys):
+    path = cases.save(cases.planar(), tmp_path / "trial.npz")
+    (tmp_path / "lab.toml").write_text('force = "kN"\ngrips = [[-0.9, 0], [0.9, 0]]\n')
+    options = ("--layout", tmp_path / "lab.toml", "--no-picture", "--method", "moore_penrose")
+    assert run("decompose", path, *options, "--out", tmp_path / "out.csv") == 0
+    assert "moore_penrose by closed_form" in capsys.readouterr().out
+    table = cases.load(tmp_path / "out.csv")
+    np.testing.assert_allclose(table["f2y"], 1000 * cases.planar()["f2y"])
+    assert not (tmp_path / "out.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "says"),
+    [
+        ({"f1x": "f1X"}, (), "did you mean 'f1X'"),
+        ({}, ("--map", "f1x"), "map must be NAME=COLUMN"),
+        ({}, ("--force", "kn"), "did you mean 'kN'"),
+        ({}, ("--method", "optimum"), "did you mean 'optimal'"),
+        ({}, ("--bad-rows", "ignore"), "bad_rows must be"),
+        ({}, ("--out", "a.xlsx"), "file must end in one of"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(change, options, says, tmp_path, capsys):
+    columns = {change.get(name, name): values for name, values in cases.planar().items()}
+    path = cases.save(columns, tmp_path / "trial.csv")
+    assert run("decompose", path, "--grips", *cases.BEAM, *options) == 1
+    printed = capsys.readouterr().err
+    assert says in printed
+    assert printed.count("\n") == 1
+    assert [each.name for each in tmp_path.iterdir()] == ["trial.csv"]
+
+
+def test_bad_rows_are_told_of_when_they_are_passed_over(tmp_path, capsys):
+    columns = cases.planar()
+    columns["f1x"][3] = np.nan
+    path = cases.save(columns, tmp_path / "trial.csv")
+    assert run("decompose", path, "--grips", *cases.BEAM) == 1
+    assert "trial.csv, line 5, column 'f1x' must be a finite number" in capsys.readouterr().err
+    assert run("decompose", path, "--grips", *cases.BEAM, "--bad-rows", "skip", "--no-picture") == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "1 bad rows are NaN; the first:" in printed
+    assert "line 5, column 'f1x'" in printed
