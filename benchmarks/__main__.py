@@ -11,7 +11,7 @@ import pymunk
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import environments, logs, partners, senses, structured, transport, wrench
+from benchmarks.speed import environments, logs, partners, senses, structured, transport, wrench
 
 
 def main() -> None:

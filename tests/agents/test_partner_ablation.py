@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("tyro")
 
-from benchmarks.partner_ablation import ROWS, Ablation, interval, lines, run
+from benchmarks.learning.partner_ablation import ROWS, Ablation, interval, lines, run
 from coopenv import Transport
 from coopenv.agents.settings import TrainConfig
 from coopenv.errors import InvalidInput, UnknownName

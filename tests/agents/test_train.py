@@ -185,7 +185,7 @@ def test_a_choice_changes_only_what_it_names():
 
 @pytest.mark.slow
 def test_three_seeds_learn_to_carry_and_harmony_halves_the_relative_cost(tmp_path):
-    from benchmarks.learning import Study, mean_relative_cost, run
+    from benchmarks.learning.presets import Study, mean_relative_cost, run
 
     seen = run(Study(out=tmp_path))
     assert len(seen) == 6

@@ -5,7 +5,7 @@ import time
 import gymnasium
 import numpy as np
 
-from benchmarks.transport import REPEATS, bare_step, full_step, median
+from benchmarks.speed.transport import REPEATS, bare_step, full_step, median
 from coopenv import Transport
 from coopenv.envs.registry import PREFIX, find_config
 

@@ -1,4 +1,4 @@
-"""Every environment with its default reward: ``python -m benchmarks.tasks [--write]``.
+"""Every environment with its default reward: ``python -m benchmarks.learning.tasks [--write]``.
 
 The scripted controller and PPO (defaults of `coopenv.agents.settings.TrainConfig`, several seeds)
 on the same held-out episodes. ``--write`` puts the table into ``docs/tasks.md``.

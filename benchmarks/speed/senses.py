@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.transport import REPEATS, bare_step, full_step, median
+from benchmarks.speed.transport import REPEATS, bare_step, full_step, median
 from coopenv import Box, Scene, Sensor, Transport
 from coopenv.observation import DEFAULT_BLOCKS
 

@@ -1,4 +1,6 @@
-"""What PPO learns under several rewards and training seeds: ``python -m benchmarks.learning``.
+"""What PPO learns under several rewards and training seeds.
+
+``python -m benchmarks.learning.presets``.
 
 Every policy is trained with the defaults of `coopenv.agents.settings.TrainConfig` and evaluated on
 the same held-out episodes.

@@ -1,6 +1,6 @@
 """Time of a decomposition and of its measures, alone and in batches.
 
-    python -m benchmarks.wrench
+    python -m benchmarks.speed.wrench
 
 Every figure is a median of CPU times over repeats, so that other processes count little; kernels
 are compiled before the clock starts. Wrenches are drawn from a normal distribution: those of a team

@@ -1,6 +1,6 @@
 """Rows per second and memory of decomposing recorded files.
 
-    python -m benchmarks.logs [rows]
+    python -m benchmarks.speed.logs [rows]
 
 Each figure is that of a process of its own, which decomposes a file of two planar effectors with
 time and twist, once small to load and compile everything, then for the clock. The memory is the

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from benchmarks.transport import REPEATS, bare_steps, full_steps, random_actions
+from benchmarks.speed.transport import REPEATS, bare_steps, full_steps, random_actions
 from coopenv import Transport, TransportTask
 from coopenv.agents.partners import PARTNERS
 from coopenv.arrays import FloatArray

@@ -1,6 +1,6 @@
 """Does feeling the internal wrench help with a partner whose plan is hidden? One table.
 
-python -m benchmarks.partner_ablation                 # five seeds a row; --help for the rest
+python -m benchmarks.learning.partner_ablation        # five seeds a row; --help for the rest
 
 The partner alone knows the goal (``informed`` names nobody who learns), and a learner without
 memory holds the other end. In this setting feeling could matter: the goal shows only in what the
