@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.info import Info
 from coopenv.transition import Transition
@@ -163,8 +163,8 @@ def _evenly(numbers: IntArray) -> slice | IntArray:
     return slice(int(numbers[0]), int(numbers[-1]) + 1, int(steps[0]) if len(steps) else 1)
 
 
-@njit(cache=True)
-def _joint(action, wrench, learners, driven, frame, limits):  # pragma: no cover - compiled
+@compiled
+def _joint(action, wrench, learners, driven, frame, limits):
     """Actions of all agents ``(world, agent, a)``: the learners' own, the others' from wrenches.
 
     Also whether the latter are finite.
@@ -185,8 +185,8 @@ def _joint(action, wrench, learners, driven, frame, limits):  # pragma: no cover
     return joint, finite
 
 
-@njit(cache=True)
-def _where_to(plan, pose, goal):  # pragma: no cover - compiled
+@compiled
+def _where_to(plan, pose, goal):
     """Plans, with the pose and with the goal where there is none; whether there is one, elsewhere.
 
     "Elsewhere" is not at the goal: distances from a pose to itself are rounded.

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from gymnasium.utils import seeding
-from numba import njit
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
+from coopenv.compiled import compiled
 from coopenv.conditions import Conditions, Team
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.draws import Draws
@@ -389,15 +389,15 @@ def _made(kind: type[Transport], num_worlds: int, config: TransportConfig) -> Tr
     return kind(num_worlds=num_worlds, config=config)
 
 
-@njit(cache=True)
-def _tick(steps, dt):  # pragma: no cover - compiled
+@compiled
+def _tick(steps, dt):
     """Steps and time [s] since the episode began, one step later."""
     later = steps + 1
     return later, later * dt
 
 
-@njit(cache=True)
-def _ends(success, steps, horizon):  # pragma: no cover - compiled
+@compiled
+def _ends(success, steps, horizon):
     """Which worlds ran out of time, which ended either way, and whether any did."""
     truncated = (steps >= horizon) & ~success
     ended = truncated | success

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import FloatArray, positive
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.transition import State, Transition
 
@@ -58,8 +58,8 @@ class Progress(PotentialShaping):
     discount: float = 1.0
 
 
-@njit(cache=True)
-def _gain(before, after, terminated, discount, weight, num_agents):  # pragma: no cover - compiled
+@compiled
+def _gain(before, after, terminated, discount, weight, num_agents):
     gain = np.empty((len(before), num_agents))
     for k in range(len(before)):
         later = 0.0 if terminated[k] else discount * after[k]

@@ -1,9 +1,12 @@
+import os
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from coopenv import wrench
 
@@ -21,12 +24,116 @@ CALL = "import kernel_in_two_minds as k; print(k.total([1.0, 2.0]))"
 OTHER_NAMES = "import numba; f = numba.njit(lambda x: x); f(1); f(1.0); " + CALL
 
 
-def run(script: str, folder: Path) -> str:
+ROOT = Path(__file__).parents[1]
+HELPERS = """
+from typing import NamedTuple
+from coopenv.compiled import compiled, fused
+
+FACTOR = 2.0
+
+class Pair(NamedTuple):
+    first: float
+    second: float
+
+@compiled
+def scaled(x):
+    return 3.0 * x
+
+@fused
+def shifted(x):
+    return x + 4.0
+"""
+USERS = """
+import helpers
+from helpers import FACTOR, Pair, scaled, shifted
+from coopenv.compiled import compiled, fused_entry, gufunc, inlined
+
+@inlined
+def through(x):
+    return helpers.scaled(x)
+
+@compiled
+def plain(x):
+    return through(x) + FACTOR
+
+@fused_entry
+def entry(x):
+    return shifted(x)
+
+@compiled
+def first(pair):
+    return pair.first
+
+@gufunc("()->()", "void(float64, float64[:])")
+def broadcast(x, result):
+    result[0] = scaled(x)
+"""
+ASK = """
+import users
+found = users.plain(1.0), users.entry(1.0), users.broadcast(1.0), users.first(users.Pair(7.0, 8.0))
+misses = [sum(kernel.stats.cache_misses.values()) for kernel in (users.plain, users.entry)]
+print(*map(float, found), *misses)
+"""
+DECOMPOSE = """
+from coopenv import wrench
+d = wrench.decompose([[3, 0, 1], [-1, 1, 0], [0, 1, 0]], [[-1, 0], [1, 0], [0, 1]])
+print(float(d.manipulation.sum()), d.solver)
+"""
+
+
+def run(script: str, folder: Path, **variables: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False
+        [sys.executable, "-c", script],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | variables,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
+
+
+def replace(file: Path, old: str, new: str) -> None:
+    text = file.read_text()
+    assert text.count(old) == 1
+    file.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("3.0 * x", "5.0 * x", "7.0 5.0 5.0 7.0 1 1"),
+        ("x + 4.0", "x + 6.0", "5.0 7.0 3.0 7.0 1 1"),
+        ("FACTOR = 2.0", "FACTOR = 8.0", "11.0 5.0 3.0 7.0 1 1"),
+        (
+            "first: float\n    second: float",
+            "second: float\n    first: float",
+            "5.0 5.0 3.0 8.0 1 1",
+        ),
+        ("FACTOR = 2.0", "FACTOR = 2.0", "5.0 5.0 3.0 7.0 0 0"),
+    ],
+)
+def test_a_kernel_is_recompiled_when_what_it_uses_from_another_file_changes(
+    old, new, expected, tmp_path
+):
+    (tmp_path / "helpers.py").write_text(HELPERS)
+    (tmp_path / "users.py").write_text(USERS)
+    assert run(ASK, tmp_path) == "5.0 5.0 3.0 7.0 1 1"
+    replace(tmp_path / "helpers.py", old, new)
+    assert run(ASK, tmp_path) == expected
+
+
+def test_a_changed_helper_of_the_package_shows_in_what_it_decomposes(tmp_path):
+    rubbish = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "coopenv", tmp_path / "coopenv", ignore=rubbish)
+    cache = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    right, solver = run(DECOMPOSE, tmp_path, **cache).split()
+    assert (float(right), solver) == (pytest.approx(5.0), "structured")
+    helper = tmp_path / "coopenv" / "wrench" / "structured" / "blocks.py"
+    replace(helper, "def write(", "def write(*_):\n    return\n\n\n@fused\ndef write_as_before(")
+    wrong = run(DECOMPOSE, tmp_path, **cache)
+    assert float(wrong.split()[0]) != pytest.approx(5.0)
 
 
 def test_a_cache_left_by_two_processes_at_once_is_mended(tmp_path):

@@ -8,7 +8,7 @@ from coopenv.tasks import DoorwayTask, RollingTask, TrackingTask
 
 from ..policy import Policy
 from .doorway import DoorwayController
-from .impedance import Gains, ImpedanceController, RandomPolicy
+from .impedance import Gains, ImpedanceController, RandomPolicy, approach, wrapped
 from .tracking import TrackingController
 from .walker import WalkerController
 
@@ -20,7 +20,9 @@ __all__ = [
     "RandomPolicy",
     "TrackingController",
     "WalkerController",
+    "approach",
     "find_controller",
+    "wrapped",
 ]
 
 # The first whose task it is; any other task is left to the impedance controller.

@@ -4,12 +4,11 @@ from dataclasses import astuple, dataclass
 from math import cos, pi, sin, sqrt
 
 import numpy as np
-from numba import njit
+
+from coopenv.compiled import compiled, inlined
 
 LOOKS = 9  # angles looked at between here and the end of the look-ahead
 NUM_GAINS = 6
-
-inlined = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)  # into kernels
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,15 +33,13 @@ def gains_row(gains: Gains) -> tuple[float, ...]:
 
 
 @inlined
-def triple(rows, k):  # pragma: no cover - compiled
+def triple(rows, k):
     """Row ``k`` of three numbers; a view of it would cost more than all that is done with it."""
     return rows[k, 0], rows[k, 1], rows[k, 2]
 
 
 @inlined
-def object_wrench(
-    gains, pose, twist, goal, load, size, outlines, k, reach
-):  # pragma: no cover - compiled
+def object_wrench(gains, pose, twist, goal, load, size, outlines, k, reach):
     """Wrench (fx, fy, t) [N, N·m] that an object needs on its way to ``goal``, object frame.
 
     Parameters
@@ -72,8 +69,8 @@ def object_wrench(
     return c * fx + s * fy, c * fy - s * fx, torque
 
 
-@njit(cache=True, error_model="numpy")
-def wanted_twists(gains, pose, goal, outline, low, high):  # pragma: no cover - compiled
+@compiled
+def wanted_twists(gains, pose, goal, outline, low, high):
     """Twists ``(world, 3)`` (vx, vy, ω) that lead objects to a goal in a rectangle, world frame.
 
     ``low`` and ``high`` are the corners ``(world, 2)`` [m] of what is free.
@@ -94,7 +91,7 @@ def wanted_twists(gains, pose, goal, outline, low, high):  # pragma: no cover - 
 
 
 @inlined
-def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):  # pragma: no cover - compiled
+def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):
     """The twist of one object; ``free`` are the edges (low x, high x, low y, high y) [m]."""
     approach, _, speed, spin, margin, look_ahead = gains
     turn = goal[2] - pose[2]
@@ -113,10 +110,8 @@ def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):  # pragma:
     return slower * vx, slower * vy, min(max(approach * turn, -spin), spin)
 
 
-@njit(cache=True, error_model="numpy")
-def _free_box(
-    margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach
-):  # pragma: no cover - compiled
+@compiled
+def _free_box(margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach):
     """Where the centre may be so that the object keeps to the rectangle during the coming turn."""
     low_x, high_x, low_y, high_y = free
     low_x, high_x, low_y, high_y = low_x + margin, high_x - margin, low_y + margin, high_y - margin

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from coopenv.arrays import FloatArray, positive
+from coopenv.compiled import compiled
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry import frames
@@ -187,10 +187,8 @@ def _damping(distance: FloatArray, reach: float) -> FloatArray:
     return np.where(distance < reach, (1 / clearance - 1 / reach) / clearance**2, 0.0)
 
 
-@njit(cache=True)
-def _wanted(
-    pose, goal, stop, length, approach, speed, braking, heading, arrival, spin, near
-):  # pragma: no cover - compiled
+@compiled
+def _wanted(pose, goal, stop, length, approach, speed, braking, heading, arrival, spin, near):
     """Forward speed and spin to lead with, ``(world, 2)`` [m/s, rad/s]; see `WalkerGains`."""
     wanted = np.empty((len(pose), 2))
     for k in range(len(pose)):
@@ -217,6 +215,6 @@ def _wanted(
     return wanted
 
 
-@njit(cache=True)
-def _wrapped(angle):  # pragma: no cover - compiled
+@compiled
+def _wrapped(angle):
     return np.pi - (np.pi - angle) % (2 * np.pi)

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from coopenv.arrays import FloatArray, IntArray
+from coopenv.compiled import compiled
 
 Keys = npt.NDArray[np.uint64]
 
@@ -52,8 +52,8 @@ class Chance:
         return Chance(_mixed(self.keys, np.uint64(number)))
 
 
-@njit(cache=True)
-def mixed(key, number):  # pragma: no cover - compiled
+@compiled
+def mixed(key, number):
     """A key that looks independent of ``key``, one for every ``number``; all uint64."""
     z = key + (number + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -61,29 +61,29 @@ def mixed(key, number):  # pragma: no cover - compiled
     return z ^ (z >> np.uint64(31))
 
 
-@njit(cache=True)
-def fraction(key):  # pragma: no cover - compiled
+@compiled
+def fraction(key):
     """A key as a number in [0, 1)."""
     return np.float64(key >> np.uint64(11)) * 2.0**-53
 
 
-@njit(cache=True)
-def normal(key):  # pragma: no cover - compiled
+@compiled
+def normal(key):
     """A standard normal number (Box & Muller 1958)."""
     radius = np.sqrt(-2 * np.log(1 - fraction(key)))
     return radius * np.cos(2 * np.pi * fraction(mixed(key, np.uint64(1))))
 
 
-@njit(cache=True)
-def _mixed(keys, number):  # pragma: no cover - compiled
+@compiled
+def _mixed(keys, number):
     out = np.empty_like(keys)
     for j in range(len(keys)):
         out[j] = mixed(keys[j], number)
     return out
 
 
-@njit(cache=True)
-def _uniforms(keys):  # pragma: no cover - compiled
+@compiled
+def _uniforms(keys):
     out = np.empty(len(keys))
     for j in range(len(keys)):
         out[j] = fraction(mixed(keys[j], np.uint64(0)))

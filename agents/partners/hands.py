@@ -3,9 +3,10 @@
 from math import cos, exp, sin
 
 import numpy as np
-from numba import njit
 
-from ..controllers.guidance import inlined, object_wrench, triple
+from coopenv.compiled import compiled, inlined
+
+from ..controllers.guidance import object_wrench, triple
 from .chance import fraction, mixed, normal
 from .traits import (
     AWAY_TURN,
@@ -29,7 +30,7 @@ from .traits import (
 _SWITCH, _NOISE = np.uint64(0), np.uint64(1)  # which of a step's random numbers
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def act(
     traits,
     keys,
@@ -55,7 +56,7 @@ def act(
     allocation,
     driven,
     dt,
-):  # pragma: no cover - compiled
+):
     """Wrenches ``(world, driven, 3)`` [N, N·m], object frame; the partner's memory moves on.
 
     Parameters
@@ -124,7 +125,7 @@ def act(
 
 
 @inlined
-def _row(traits, k, n, step, draw, dt):  # pragma: no cover - compiled
+def _row(traits, k, n, step, draw, dt):
     """Which row of traits holds in this step: the other one if it is time to switch."""
     stay = traits[k, n, STAY]
     if stay > 0 and step > 0 and fraction(mixed(draw, _SWITCH)) < 1 - exp(-dt / stay):
@@ -133,7 +134,7 @@ def _row(traits, k, n, step, draw, dt):  # pragma: no cover - compiled
 
 
 @inlined
-def _gains(traits, k, n):  # pragma: no cover - compiled
+def _gains(traits, k, n):
     return (
         traits[k, n, GAINS],
         traits[k, n, GAINS + 1],
@@ -145,7 +146,7 @@ def _gains(traits, k, n):  # pragma: no cover - compiled
 
 
 @inlined
-def _plan(traits, k, n, goal):  # pragma: no cover - compiled
+def _plan(traits, k, n, goal):
     return (
         goal[k, 0] + traits[k, n, AWAY_X],
         goal[k, 1] + traits[k, n, AWAY_Y],
@@ -154,12 +155,12 @@ def _plan(traits, k, n, goal):  # pragma: no cover - compiled
 
 
 @inlined
-def _scaled(wrench, factor):  # pragma: no cover - compiled
+def _scaled(wrench, factor):
     return factor * wrench[0], factor * wrench[1], factor * wrench[2]
 
 
 @inlined
-def _felt(pose, twist, before, applied, grips, k, driven, load, dt):  # pragma: no cover - compiled
+def _felt(pose, twist, before, applied, grips, k, driven, load, dt):
     """What moved the object in the last step beside this partner, object frame: M v̇ + D v − h."""
     mass, inertia, linear_drag, angular_drag = load
     wx = mass * (twist[0] - before[0]) / dt + linear_drag * (twist[0] + before[0]) / 2
@@ -177,7 +178,7 @@ def _felt(pose, twist, before, applied, grips, k, driven, load, dt):  # pragma: 
 
 
 @inlined
-def _follow(tastes, felt, pose, twist, wanted, load, dt):  # pragma: no cover - compiled
+def _follow(tastes, felt, pose, twist, wanted, load, dt):
     """Let a lighter object answer what is felt; its motion, and what the real one needs for it."""
     mass, inertia, linear_drag, angular_drag = load
     heaviness, eagerness = tastes
@@ -194,16 +195,14 @@ def _follow(tastes, felt, pose, twist, wanted, load, dt):  # pragma: no cover - 
 
 
 @inlined
-def _response(weight, drag, dt):  # pragma: no cover - compiled
+def _response(weight, drag, dt):
     """What a step leaves of a velocity, and what it adds for each unit of force."""
     left = exp(-drag / weight * dt)
     return left, ((1 - left) / drag if drag > 0 else dt / weight)
 
 
 @inlined
-def _give_part(
-    wrench, allocation, frame, limits, driven, parts, memory, k, slot
-):  # pragma: no cover - compiled
+def _give_part(wrench, allocation, frame, limits, driven, parts, memory, k, slot):
     """The driven agents' parts of an object wrench, scaled down where anybody's limit is met.
 
     Like `ImpedanceController`, it presumes that the others do their parts and have limits too, so
@@ -228,7 +227,7 @@ def _give_part(
 
 
 @inlined
-def _carry(wrench, grips, driven, memory, k, slot):  # pragma: no cover - compiled
+def _carry(wrench, grips, driven, memory, k, slot):
     """Give each driven agent this wrench at the centre of mass, moved to its grip."""
     x, y, torque = wrench
     for number in range(len(driven)):
@@ -238,7 +237,7 @@ def _carry(wrench, grips, driven, memory, k, slot):  # pragma: no cover - compil
 
 
 @inlined
-def _shake(force, torque, draw, memory, k, slot):  # pragma: no cover - compiled
+def _shake(force, torque, draw, memory, k, slot):
     """Add the noise of an unsteady hand, of these standard deviations [N], [N·m]."""
     if force == 0 and torque == 0:
         return
@@ -250,7 +249,7 @@ def _shake(force, torque, draw, memory, k, slot):  # pragma: no cover - compiled
 
 
 @inlined
-def _recall(memory, k, step, delay, out):  # pragma: no cover - compiled
+def _recall(memory, k, step, delay, out):
     """What was right ``delay`` steps ago, nothing before the episode began."""
     then, begun = (step - delay) % memory.shape[1], step >= delay
     for number in range(memory.shape[2]):

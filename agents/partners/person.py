@@ -1,9 +1,9 @@
 """The player behind every scripted partner."""
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import FloatArray, IntArray
+from coopenv.compiled import compiled
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.partner import Generators
 from coopenv.transition import Transition
@@ -86,8 +86,8 @@ class Person:
         return _plans(self._traits, self._now, transition.next_state.goal)
 
 
-@njit(cache=True)
-def _plans(rows, now, goal):  # pragma: no cover - compiled
+@compiled
+def _plans(rows, now, goal):
     plan = np.empty_like(goal)
     for k in range(len(goal)):
         row = rows[k, now[k]]

@@ -1,13 +1,14 @@
 """How far a convex outline is from boxes and walls, and which way; exact, many worlds at once."""
 
 import numpy as np
-from numba import njit
+
+from coopenv.compiled import compiled
 
 WALLS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))  # the way to each wall, world frame
 
 
-@njit(cache=True)
-def ways_to_boxes(outline, pose, boxes, count):  # pragma: no cover - compiled
+@compiled
+def ways_to_boxes(outline, pose, boxes, count):
     """The shortest way from a body to every box of its world.
 
     Parameters
@@ -34,8 +35,8 @@ def ways_to_boxes(outline, pose, boxes, count):  # pragma: no cover - compiled
     return ways
 
 
-@njit(cache=True)
-def ways_to_walls(outline, pose, size):  # pragma: no cover - compiled
+@compiled
+def ways_to_walls(outline, pose, size):
     """The distance of a body from the four walls (right, left, upper, lower), ``(world, 4)`` [m].
 
     Negative where it reaches into one; ``size`` is ``(world, 2)`` [m].
@@ -54,8 +55,8 @@ def ways_to_walls(outline, pose, size):  # pragma: no cover - compiled
     return ways
 
 
-@njit(cache=True)
-def _way_to_box(outline, pose, box, way):  # pragma: no cover - compiled
+@compiled
+def _way_to_box(outline, pose, box, way):
     """Fill one row of `ways_to_boxes`; works in the box's own frame."""
     half_x, half_y = box[2] / 2, box[3] / 2
     c, s = np.cos(pose[2] - box[4]), np.sin(pose[2] - box[4])
@@ -93,8 +94,8 @@ def _way_to_box(outline, pose, box, way):  # pragma: no cover - compiled
     way[3], way[4] = box[0] + turn_c * to_x - turn_s * to_y, box[1] + turn_s * to_x + turn_c * to_y
 
 
-@njit(cache=True)
-def _overlap(corners, half_x, half_y):  # pragma: no cover - compiled
+@compiled
+def _overlap(corners, half_x, half_y):
     """Whether a convex polygon and the box ±half share a point (separating axes)."""
     count = len(corners)
     if corners[:, 0].min() > half_x or corners[:, 0].max() < -half_x:

@@ -5,9 +5,9 @@ mass: the object's x). ``frame`` holds the cosine and sine of its angle in the o
 """
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import FloatArray
+from coopenv.compiled import compiled, inlined
 
 
 def agent_frames(grips: FloatArray) -> FloatArray:
@@ -17,8 +17,8 @@ def agent_frames(grips: FloatArray) -> FloatArray:
     return np.where(at_center, [1.0, 0.0], -grips / np.where(at_center, 1.0, distance))
 
 
-@njit(cache=True)
-def wrap_pose(pose):  # pragma: no cover - compiled
+@compiled
+def wrap_pose(pose):
     """Pose ``(world, 3)`` with its angle wrapped to (−π, π]; a fresh array."""
     wrapped = pose.copy()
     for k in range(len(pose)):
@@ -26,8 +26,8 @@ def wrap_pose(pose):  # pragma: no cover - compiled
     return wrapped
 
 
-@njit(cache=True)
-def wrenches_from_actions(action, frame, limit):  # pragma: no cover - compiled
+@compiled
+def wrenches_from_actions(action, frame, limit):
     """Clip actions to [−1, 1], scale them to the agents' limits and turn them to the object frame.
 
     Parameters
@@ -59,8 +59,8 @@ def wrenches_from_actions(action, frame, limit):  # pragma: no cover - compiled
     return clipped, applied, finite
 
 
-@njit(cache=True)
-def actions_from_wrenches(applied, frame, limit, width):  # pragma: no cover - compiled
+@compiled
+def actions_from_wrenches(applied, frame, limit, width):
     """The inverse of `wrenches_from_actions`, unclipped; ``width`` 2 leaves the torque out."""
     num_worlds, num_agents, _ = applied.shape
     action = np.empty((num_worlds, num_agents, width))
@@ -92,18 +92,18 @@ def view_slices(num_agents: int) -> dict[str, slice]:
     }
 
 
-@njit(cache=True, forceinline=True)
-def _write_turned(wrench, k, other, c, s, seen, i, at):  # pragma: no cover - compiled
+@inlined
+def _write_turned(wrench, k, other, c, s, seen, i, at):
     """Write an agent's wrench as agent i sees it."""
     x, y = wrench[k, other, 0], wrench[k, other, 1]
     seen[k, i, at], seen[k, i, at + 1] = c * x + s * y, c * y - s * x
     seen[k, i, at + 2] = wrench[k, other, 2]
 
 
-@njit(cache=True)
+@compiled
 def agent_view(
     pose, twist, goal, told, frame, applied, internal, force_share, torque_share, relative_cost
-):  # pragma: no cover - compiled
+):
     """All that is seen of a step from each agent's frame, in one pass.
 
     Parameters
@@ -156,8 +156,8 @@ def agent_view(
     return seen
 
 
-@njit(cache=True)
-def repeated(value, count, scale):  # pragma: no cover - compiled
+@compiled
+def repeated(value, count, scale):
     """``scale`` × one value a world ``(world,)``, for each of ``count`` agents."""
     out = np.empty((len(value), count))
     for k in range(len(value)):

@@ -1,13 +1,14 @@
 """Shortest ways round boxes for a disc: a visibility graph over the boxes' widened corners."""
 
 import numpy as np
-from numba import njit
+
+from coopenv.compiled import compiled
 
 _BESIDE = 0.02  # [m] by which the corners of a way keep off what may not be crossed
 
 
-@njit(cache=True)
-def next_stops(place, goal, boxes, count, size, radius):  # pragma: no cover - compiled
+@compiled
+def next_stops(place, goal, boxes, count, size, radius):
     """Where a disc has to go first to get to its goal on the shortest way.
 
     Boxes are widened by the radius with square corners, so a way keeps off them by at least that
@@ -46,8 +47,8 @@ def next_stops(place, goal, boxes, count, size, radius):  # pragma: no cover - c
     return stops, ways
 
 
-@njit(cache=True)
-def _corners(boxes, radius, size, out):  # pragma: no cover - compiled
+@compiled
+def _corners(boxes, radius, size, out):
     """Write the widened corners that lie in the room; returns how many."""
     used = 0
     for box in boxes:
@@ -62,8 +63,8 @@ def _corners(boxes, radius, size, out):  # pragma: no cover - compiled
     return used
 
 
-@njit(cache=True)
-def _shortest(nodes, boxes, slack, way):  # pragma: no cover - compiled
+@compiled
+def _shortest(nodes, boxes, slack, way):
     """The node that comes first on the way from node 0 to node 1 (Dijkstra); fills ``way``."""
     count = len(nodes)
     distance, before = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
@@ -96,13 +97,13 @@ def _shortest(nodes, boxes, slack, way):  # pragma: no cover - compiled
     return at
 
 
-@njit(cache=True)
-def _direction(start, end):  # pragma: no cover - compiled
+@compiled
+def _direction(start, end):
     return np.arctan2(end[1] - start[1], end[0] - start[0])
 
 
-@njit(cache=True)
-def _is_open(start, end, boxes, slack):  # pragma: no cover - compiled
+@compiled
+def _is_open(start, end, boxes, slack):
     """Whether a straight leg crosses no box widened by its slack (clipping against its sides)."""
     for j in range(len(boxes)):
         box = boxes[j]
@@ -124,8 +125,8 @@ def _is_open(start, end, boxes, slack):  # pragma: no cover - compiled
     return True
 
 
-@njit(cache=True)
-def _outside(point, box):  # pragma: no cover - compiled
+@compiled
+def _outside(point, box):
     """How far a point is beyond a box's sides, the larger of the two ways [m]; negative inside."""
     c, s = np.cos(box[4]), np.sin(box[4])
     x, y = point[0] - box[0], point[1] - box[1]

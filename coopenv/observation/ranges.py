@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import FloatArray, number, positive, whole
-from coopenv.compiled import COMPILED
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation.block import Block, EachOther
 from coopenv.transition import Transition
@@ -155,8 +154,8 @@ def _of_the_others(seen: FloatArray) -> FloatArray:
 # The loops over rays hold no branch and no call that LLVM would not turn into vector instructions.
 
 
-@njit(**COMPILED)
-def _to_walls(px, py, half, c, s, rays, reach, out):  # pragma: no cover - compiled
+@compiled
+def _to_walls(px, py, half, c, s, rays, reach, out):
     """Ways from inside a rectangle about the origin to its edge, at most ``reach``."""
     for j in range(rays.shape[1]):
         dx, dy = c * rays[0, j] - s * rays[1, j], s * rays[0, j] + c * rays[1, j]
@@ -168,8 +167,8 @@ def _to_walls(px, py, half, c, s, rays, reach, out):  # pragma: no cover - compi
         out[j] = way if way < reach else reach
 
 
-@njit(**COMPILED)
-def _to_box(px, py, half_x, half_y, c, s, rays, out):  # pragma: no cover - compiled
+@compiled
+def _to_box(px, py, half_x, half_y, c, s, rays, out):
     """Shorten ``out`` to the ways to a box about the origin, from outside of it (slabs)."""
     for j in range(rays.shape[1]):
         dx, dy = c * rays[0, j] - s * rays[1, j], s * rays[0, j] + c * rays[1, j]
@@ -185,8 +184,8 @@ def _to_box(px, py, half_x, half_y, c, s, rays, out):  # pragma: no cover - comp
         out[j] = enter if hit else out[j]
 
 
-@njit(**COMPILED)
-def _nearest_wall(px, py, half):  # pragma: no cover - compiled
+@compiled
+def _nearest_wall(px, py, half):
     """Vector from a point in the room to the nearest point of a wall, and its length."""
     left_x, left_y = half[0] - abs(px), half[1] - abs(py)
     if left_x <= left_y:
@@ -194,8 +193,8 @@ def _nearest_wall(px, py, half):  # pragma: no cover - compiled
     return 0.0, np.copysign(left_y, py), left_y
 
 
-@njit(**COMPILED)
-def _read_one(x, y, c, s, half, boxes, axes, rays, reach, out):  # pragma: no cover - compiled
+@compiled
+def _read_one(x, y, c, s, half, boxes, axes, rays, reach, out):
     """Readings from a point in the room, in a frame whose x is along (c, s)."""
     num_rays = rays.shape[1]
     to_x, to_y, nearest = _nearest_wall(x, y, half)
@@ -225,10 +224,8 @@ def _read_one(x, y, c, s, half, boxes, axes, rays, reach, out):  # pragma: no co
     out[num_rays + 2] = min(nearest, reach)
 
 
-@njit(**COMPILED)
-def read_ranges(
-    pose, grips, frame, size, boxes, axes, count, rays, reach
-):  # pragma: no cover - compiled
+@compiled
+def read_ranges(pose, grips, frame, size, boxes, axes, count, rays, reach):
     """Ways along rays to walls and obstacles, and the nearest point of one.
 
     Parameters

@@ -13,10 +13,9 @@ from zlib import crc32
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from coopenv.arrays import IntArray, finite_array, whole
-from coopenv.compiled import COMPILED
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.observation.block import Block
 from coopenv.transition import Transition
@@ -138,22 +137,22 @@ class Instruments:
         return seen
 
 
-@njit(**COMPILED)
-def _mixed(x):  # pragma: no cover - compiled
+@compiled
+def _mixed(x):
     """SplitMix64's output function."""
     x = (x ^ (x >> _S30)) * _MIX_1
     x = (x ^ (x >> _S27)) * _MIX_2
     return x ^ (x >> _S31)
 
 
-@njit(**COMPILED)
-def _below(x, number):  # pragma: no cover - compiled
+@compiled
+def _below(x, number):
     """The key of branch ``number`` under key ``x``."""
     return _mixed(x + _WEYL * (np.uint64(number) + np.uint64(1)))
 
 
-@njit(**COMPILED)
-def normal(x):  # pragma: no cover - compiled
+@compiled
+def normal(x):
     """The standard normal number of a key: the quantile of its uniform one, to 1e-7.
 
     Source: Wichura 1988, Algorithm AS 241, PPND7.
@@ -176,10 +175,8 @@ def normal(x):  # pragma: no cover - compiled
     return np.copysign(size, q)
 
 
-@njit(**COMPILED)
-def _err(
-    seen, steps, worlds, key, stream, noise, bias, bounds, offset
-):  # pragma: no cover - compiled
+@compiled
+def _err(seen, steps, worlds, key, stream, noise, bias, bounds, offset):
     """Add noise and bias, and clip to the bounds; in place. Starts draw the bias ``offset``."""
     num_rows, num_agents, num_features = seen.shape
     for k in range(num_rows):
@@ -198,8 +195,8 @@ def _err(
                 seen[k, i, j] = min(max(value, bounds[0, j]), bounds[1, j])
 
 
-@njit(**COMPILED)
-def _hide(seen, told, needed):  # pragma: no cover - compiled
+@compiled
+def _hide(seen, told, needed):
     """Set what an agent is not told to 0; in place."""
     for k in range(seen.shape[0]):
         for i in range(seen.shape[1]):
@@ -208,8 +205,8 @@ def _hide(seen, told, needed):  # pragma: no cover - compiled
                     seen[k, i, j] = 0.0
 
 
-@njit(**COMPILED)
-def _delay(seen, steps, worlds, kept):  # pragma: no cover - compiled
+@compiled
+def _delay(seen, steps, worlds, kept):
     """Keep the readings of now, and hand out those of ``len(kept) − 1`` steps ago; in place."""
     slots = len(kept)
     for k in range(len(seen)):

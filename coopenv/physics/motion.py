@@ -16,10 +16,10 @@ u has a closed form too, and the path is the integral of u, met exactly, times e
 """
 
 import numpy as np
-from numba import njit
 from numpy.polynomial.legendre import leggauss
 
 from coopenv.arrays import BoolArray, FloatArray
+from coopenv.compiled import compiled, inlined
 
 _NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
 _FINE, _FINE_WEIGHTS = (1 + leggauss(64)[0]) / 2, leggauss(64)[1] / 2  # integrates the table
@@ -91,8 +91,8 @@ def _pushed(rate: FloatArray, time: float) -> FloatArray:
     return np.where(near, series, (time - _coasted(rate, time)) / np.where(near, 1, rate))
 
 
-@njit(cache=True, nogil=True, forceinline=True)
-def advance(table, k, angle, vx, vy, spin, fx, fy, torque):  # pragma: no cover - compiled
+@inlined
+def advance(table, k, angle, vx, vy, spin, fx, fy, torque):
     """Pose change and twist after one substep: ``(dx, dy, dθ, vx, vy, ω)``, world frame.
 
     ``k`` is the world's row of the coefficient table; the force is in the object frame.
@@ -118,8 +118,8 @@ def advance(table, k, angle, vx, vy, spin, fx, fy, torque):  # pragma: no cover 
     )
 
 
-@njit(cache=True, nogil=True, forceinline=True)
-def roll(table, k, angle, vx, vy, spin, fx, torque):  # pragma: no cover - compiled
+@inlined
+def roll(table, k, angle, vx, vy, spin, fx, torque):
     """`advance` for a body on wheels; of its velocity only the part along its x counts."""
     speed = np.cos(angle) * vx + np.sin(angle) * vy
     dx, dy = 0.0, 0.0
@@ -134,8 +134,8 @@ def roll(table, k, angle, vx, vy, spin, fx, torque):  # pragma: no cover - compi
     return dx, dy, turn, speed * np.cos(end), speed * np.sin(end), later
 
 
-@njit(cache=True, nogil=True)
-def yielded(table, k, along, dx, dy, spin):  # pragma: no cover - compiled
+@compiled
+def yielded(table, k, along, dx, dy, spin):
     """How a body on wheels answers contacts that would change a free one's twist by the given.
 
     The impulse P and angular impulse L that stop a free body's approach are too small for wheels,
@@ -157,8 +157,8 @@ def yielded(table, k, along, dx, dy, spin):  # pragma: no cover - compiled
     return factor * along, factor * spin, factor
 
 
-@njit(cache=True, nogil=True)
-def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma: no cover - compiled
+@compiled
+def drive(rows, table, pose, twist, wrench, step, command, expected):
     """Fill pymunk's buffer so that its own integrator lands where `advance` does.
 
     Chipmunk moves each body by its velocity, then finds contacts, then accelerates it. So the
@@ -198,10 +198,8 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):  # pragma:
         expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
 
 
-@njit(cache=True, nogil=True)
-def collect(
-    rows, table, reach, origin, bounds, report, expected, pose, twist, impulse
-):  # pragma: no cover - compiled
+@compiled
+def collect(rows, table, reach, origin, bounds, report, expected, pose, twist, impulse):
     """Read pymunk's buffer back and add up what contacts did to each body.
 
     The impulse of a substep is the least total of contact impulses that explains the change of

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from coopenv.arrays import FloatArray, finite_array
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.physics.body import Points
 from coopenv.tasks.pose import turn_between
@@ -46,8 +46,8 @@ def narrowest(outline: Points) -> Shape:
     )
 
 
-@njit(cache=True)
-def heading(plan, angle, goal_angle):  # pragma: no cover - compiled
+@compiled
+def heading(plan, angle, goal_angle):
     """The angle at which to pass, of the two half a turn apart, and the turns it takes [rad]."""
     best, turns = plan[THROUGH], np.inf
     for half_turn in (0.0, np.pi):
@@ -58,8 +58,8 @@ def heading(plan, angle, goal_angle):  # pragma: no cover - compiled
     return best, turns
 
 
-@njit(cache=True)
-def headings(plan, pose, goal):  # pragma: no cover - compiled
+@compiled
+def headings(plan, pose, goal):
     """The angle at which each world is to pass, ``(world,)`` [rad]; the fewer turns, the better."""
     angles = np.empty(len(pose))
     for k in range(len(pose)):
@@ -67,8 +67,8 @@ def headings(plan, pose, goal):  # pragma: no cover - compiled
     return angles
 
 
-@njit(cache=True)
-def way_through(plan, pose, goal, angle_weight):  # pragma: no cover - compiled
+@compiled
+def way_through(plan, pose, goal, angle_weight):
     """Length [m] of the way from poses through the gap to goals, ``(world,)``.
 
     Before the gap: to the standoff on its axis, along the axis to the standoff behind, on to the
@@ -102,8 +102,8 @@ def way_through(plan, pose, goal, angle_weight):  # pragma: no cover - compiled
     return way
 
 
-@njit(cache=True)
-def seen_gap(plan, pose, frame):  # pragma: no cover - compiled
+@compiled
+def seen_gap(plan, pose, frame):
     """The gap from each agent's frame, ``(world, agent, 5)``.
 
     Way from the object's centre to the gap's [m], cosine and sine of the passage's direction, and

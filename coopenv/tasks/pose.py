@@ -5,9 +5,9 @@ from dataclasses import dataclass, fields
 from math import cos, pi, sin
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import BoolArray, FloatArray, positive
+from coopenv.compiled import compiled
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Pose
@@ -83,14 +83,14 @@ def _between(fraction: float, low: float, high: float, extent: list[float]) -> f
     return first + fraction * (last - first) if first <= last else None
 
 
-@njit(cache=True)
-def turn_between(angle, other):  # pragma: no cover - compiled
+@compiled
+def turn_between(angle, other):
     """The short way round from one angle to the other, in [0, π]."""
     return abs(np.pi - (np.pi + other - angle) % (2 * np.pi))
 
 
-@njit(cache=True)
-def _distance(pose, goal, angle_weight):  # pragma: no cover - compiled
+@compiled
+def _distance(pose, goal, angle_weight):
     distance = np.empty(len(pose))
     for k in range(len(pose)):
         away = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
@@ -98,8 +98,8 @@ def _distance(pose, goal, angle_weight):  # pragma: no cover - compiled
     return distance
 
 
-@njit(cache=True)
-def _success(pose, twist, goal, position, angle, speed, spin):  # pragma: no cover - compiled
+@compiled
+def _success(pose, twist, goal, position, angle, speed, spin):
     success = np.empty(len(pose), dtype=np.bool_)
     for k in range(len(pose)):
         success[k] = (

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import FloatArray, finite_array
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 
 COLUMNS = ("time", "x", "y", "theta")  # [s, m, m, rad]
@@ -135,8 +135,8 @@ def _check_columns(found: Sequence[str], path: Path) -> None:
         )
 
 
-@njit(cache=True)
-def _table_motion(times, poses, rates, at):  # pragma: no cover - compiled
+@compiled
+def _table_motion(times, poses, rates, at):
     """Cubic Hermite interpolation of a table, and its first two derivatives."""
     out = np.zeros((len(at), MOTION))
     last = len(times) - 1
@@ -157,8 +157,8 @@ def _table_motion(times, poses, rates, at):  # pragma: no cover - compiled
     return out
 
 
-@njit(cache=True)
-def minimum_jerk_motion(plan, at, duration):  # pragma: no cover - compiled
+@compiled
+def minimum_jerk_motion(plan, at, duration):
     """Pose, twist and acceleration ``(world, 9)`` on segments of equal time through way points.
 
     Flash and Hogan (1985): 10 s³ − 15 s⁴ + 6 s⁵ of the way at the fraction s of a segment, at rest

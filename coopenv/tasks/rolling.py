@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import FloatArray, positive
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.tasks.transport import TransportTask
 
@@ -55,8 +55,8 @@ def ordered(value: Any, name: str, *, unit: str, at_most: float = np.inf) -> Ran
     return least, most
 
 
-@njit(cache=True)
-def rolling_distance(pose, goal, stop, way, angle_weight, blur):  # pragma: no cover - compiled
+@compiled
+def rolling_distance(pose, goal, stop, way, angle_weight, blur):
     """See `RollingTask.distance`; along ways that `coopenv.geometry.routes.next_stops` tells of."""
     distance = np.empty(len(pose))
     for k in range(len(pose)):
@@ -75,8 +75,8 @@ def rolling_distance(pose, goal, stop, way, angle_weight, blur):  # pragma: no c
     return distance
 
 
-@njit(cache=True)
-def _straight(pose, goal):  # pragma: no cover - compiled
+@compiled
+def _straight(pose, goal):
     """The way where nothing is in between, as `coopenv.geometry.routes.next_stops` tells it."""
     way = np.zeros((len(pose), 3))
     for k in range(len(pose)):
@@ -85,6 +85,6 @@ def _straight(pose, goal):  # pragma: no cover - compiled
     return way
 
 
-@njit(cache=True)
-def _wrapped(angle):  # pragma: no cover - compiled
+@compiled
+def _wrapped(angle):
     return np.pi - (np.pi - angle) % (2 * np.pi)

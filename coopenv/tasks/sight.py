@@ -1,11 +1,12 @@
 """What agents see of a reference, each in its own frame."""
 
 import numpy as np
-from numba import njit
+
+from coopenv.compiled import compiled
 
 
-@njit(cache=True)
-def ahead_in_agent_frames(pose, later, frame, told):  # pragma: no cover - compiled
+@compiled
+def ahead_in_agent_frames(pose, later, frame, told):
     """Ways from poses ``(world, 3)`` to later goals ``(world, time, 3)``.
 
     Returns ``(world, agent, 4 · time)``: Δx, Δy [m], cos Δθ, sin Δθ for each time; 0 where
@@ -30,8 +31,8 @@ def ahead_in_agent_frames(pose, later, frame, told):  # pragma: no cover - compi
     return seen
 
 
-@njit(cache=True)
-def twist_in_agent_frames(pose, twist, frame, told):  # pragma: no cover - compiled
+@compiled
+def twist_in_agent_frames(pose, twist, frame, told):
     """A twist ``(world, 3)`` of the world frame in each agent's, ``(world, agent, 3)``.
 
     Velocities read 0 where ``told`` says that the agent does not know the place, spins where it

@@ -7,9 +7,9 @@ from functools import lru_cache
 from math import cos, pi, sin
 
 import numpy as np
-from numba import njit
 
 from coopenv.arrays import BoolArray, FloatArray, positive, whole
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import Block
 from coopenv.physics.body import Body
@@ -249,8 +249,8 @@ def _blocked(poses: FloatArray, body: Body, scene: Scene, clearance: float) -> i
     return None
 
 
-@njit(cache=True)
-def _outlines(poses, outline):  # pragma: no cover - compiled
+@compiled
+def _outlines(poses, outline):
     """An outline ``(v, 2)`` of the object frame at each pose, ``(pose, v, 2)``."""
     out = np.empty((len(poses), len(outline), 2))
     for k in range(len(poses)):
@@ -262,8 +262,8 @@ def _outlines(poses, outline):  # pragma: no cover - compiled
     return out
 
 
-@njit(cache=True)
-def _first_outside(outlines, half):  # pragma: no cover - compiled
+@compiled
+def _first_outside(outlines, half):
     """The first outline with a corner beyond ±``half`` ``(2,)``, or −1."""
     for k in range(len(outlines)):
         for corner in outlines[k]:

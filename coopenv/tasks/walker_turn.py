@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numba import njit
 
+from coopenv.compiled import compiled
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
 from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
@@ -74,10 +74,8 @@ class WalkerTurnTask(RollingTask):
         )
 
 
-@njit(cache=True)
-def _first_clear(
-    draws, path_length, turn, clearance, outline, size, boxes, count
-):  # pragma: no cover - compiled
+@compiled
+def _first_clear(draws, path_length, turn, clearance, outline, size, boxes, count):
     """The first of the drawn ways on which the body has room, ``(point, 3)``; empty if none."""
     for draw in draws:
         length = path_length[0] + draw[3] * (path_length[1] - path_length[0])
@@ -92,8 +90,8 @@ def _first_clear(
     return np.empty((0, 3))
 
 
-@njit(cache=True)
-def _way(x, y, angle, length, turn, arc, before):  # pragma: no cover - compiled
+@compiled
+def _way(x, y, angle, length, turn, arc, before):
     """Poses along a straight, an arc that begins at ``before`` of the length, and a straight."""
     way = np.empty((_STEPS + 1, 3))
     way[0, 0], way[0, 1], way[0, 2] = x, y, angle
@@ -105,8 +103,8 @@ def _way(x, y, angle, length, turn, arc, before):  # pragma: no cover - compiled
     return way
 
 
-@njit(cache=True)
-def _has_room(way, clearance, outline, size, boxes, count):  # pragma: no cover - compiled
+@compiled
+def _has_room(way, clearance, outline, size, boxes, count):
     for i in range(len(way)):
         pose = way[len(way) - 1 - i : len(way) - i]  # from its end, which is most often outside
         if ways_to_walls(outline, pose, size).min() < clearance:

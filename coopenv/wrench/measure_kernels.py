@@ -6,15 +6,14 @@ No kernel allocates: numba's allocator is not set up when a gufunc comes from th
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
-from coopenv.compiled import COMPILED, gufunc
+from coopenv.compiled import compiled, gufunc
 
 UNDEFINED = 1e-9  # a resultant smaller than this fraction of its summands has no shares
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
 
-@njit(**COMPILED)
+@compiled
 def _wrench(wrench, i):
     """Force and torque of effector i in three dimensions."""
     if wrench.shape[1] == 3:
@@ -22,7 +21,7 @@ def _wrench(wrench, i):
     return wrench[i, 0], wrench[i, 1], wrench[i, 2], wrench[i, 3], wrench[i, 4], wrench[i, 5]
 
 
-@njit(**COMPILED)
+@compiled
 def _moment(grips, i, fx, fy, fz):
     """Torque about the centre of mass, r_i × f."""
     x, y = grips[i, 0], grips[i, 1]
@@ -30,12 +29,12 @@ def _moment(grips, i, fx, fy, fz):
     return y * fz - z * fy, z * fx - x * fz, x * fy - y * fx
 
 
-@njit(**COMPILED)
+@compiled
 def _norm(x, y, z):
     return sqrt(x * x + y * y + z * z)
 
 
-@njit(**COMPILED)
+@compiled
 def _cost(wrench, i, grips, w, induced):
     """Summand i of the cost (eq. 17)."""
     fx, fy, fz, tx, ty, tz = _wrench(wrench, i)
@@ -73,7 +72,7 @@ def level_kernel(applied, manipulation, grips, parameters, result):
     result[3], result[4] = force_level, torque_level
 
 
-@njit(**COMPILED)
+@compiled
 def _normalise(parts, resultant, magnitude):
     """Turn parts into shares (eqs. 22-23); NaN where the resultant vanishes."""
     positive = 0.0
@@ -85,7 +84,7 @@ def _normalise(parts, resultant, magnitude):
             parts[i] = np.nan
 
 
-@njit(**COMPILED)
+@compiled
 def _at_centre(applied, grips, i):
     """Force, and torque at the centre of mass, of effector i (eq. 4)."""
     fx, fy, fz, tx, ty, tz = _wrench(applied, i)

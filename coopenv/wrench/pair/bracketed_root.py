@@ -3,9 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
-
-from coopenv.compiled import COMPILED, TINY
+from coopenv.compiled import TINY, compiled
 
 MAX_STEPS = 200  # a smooth function needs about 8, one that jumps 60, more at a fine resolution
 
@@ -19,10 +17,10 @@ def root_of(function: Callable[[float, Any], float]) -> Callable[..., float]:
     Parameters
     ----------
     function
-        Compiled by ``@njit(**COMPILED)``; ``case`` is whatever it needs beside x.
+        Compiled by ``@compiled``; ``case`` is whatever it needs beside x.
     """
 
-    @njit(**COMPILED)
+    @compiled
     def root(a, value_a, b, value_b, case, resolution):
         c, value_c = a, value_a
         best, step = a, 0.5

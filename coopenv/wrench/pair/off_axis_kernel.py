@@ -3,9 +3,8 @@
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
-from coopenv.compiled import COMPILED, TINY, gufunc
+from coopenv.compiled import TINY, compiled, gufunc
 from coopenv.wrench.pair.bracketed_root import root_of
 from coopenv.wrench.pair.on_axis_kernel import (
     LEVEL,
@@ -21,14 +20,14 @@ ROUNDING = 4e-16  # of a number, relative to what it is the difference of
 MAX_HALVINGS = 200  # 60 find a number of ordinary size, the others one of 1e-40
 
 
-@njit(**COMPILED)
+@compiled
 def _strip(v, lever, height, torque):
     """Extent in u at height v of the g whose torque lever·v − height·u is between 0 and torque."""
     first, last = lever * v / height, (lever * v - torque) / height
     return min(first, last), max(first, last)
 
 
-@njit(**COMPILED)
+@compiled
 def _ends(v, case):
     """Feasible u at height v, from low to high, and which constraint ends it on either side."""
     (f1x, f1y, f2x, f2y), (a1, a2, height), (torque1, torque2), _ = case
@@ -48,7 +47,7 @@ def _ends(v, case):
     return low, high, at_low, at_high
 
 
-@njit(**COMPILED)
+@compiled
 def _tangent(k, side, v, case):
     """Unit tangent, upwards, to the constraint that ends the feasible set on one side."""
     (f1x, f1y, f2x, f2y), (a1, a2, height), _, _ = case
@@ -63,7 +62,7 @@ def _tangent(k, side, v, case):
     return side * (0.5 * dy - v) / radius, half / radius
 
 
-@njit(**COMPILED)
+@compiled
 def _pull(u, v, case):
     """Derivatives of the costs of forces and induced torques by u and v."""
     (f1x, f1y, f2x, f2y), _, _, (force_weight, along, across, _, _) = case
@@ -75,7 +74,7 @@ def _pull(u, v, case):
     )
 
 
-@njit(**COMPILED)
+@compiled
 def _best(v, low, high, case):
     """The u of least cost at height v, and whether it is at the low (-1) or the high (1) end."""
     if _pull(low, v, case)[0] >= -LEVEL:
@@ -98,7 +97,7 @@ def _best(v, low, high, case):
     return 0.5 * (low + high), 0
 
 
-@njit(**COMPILED)
+@compiled
 def _slope(v, case):
     """Sign of the derivative of the cost along the path of the best u, at height v.
 
@@ -121,7 +120,7 @@ def _slope(v, case):
 _root = root_of(_slope)
 
 
-@njit(**COMPILED)
+@compiled
 def _interval(forces, t1, t2, distance):
     """Lowest and highest v for which both discs and the pure torques may have room."""
     f1x, f1y, f2x, f2y = forces
@@ -133,7 +132,7 @@ def _interval(forces, t1, t2, distance):
     return min(low, 0.0), max(high, 0.0)
 
 
-@njit(**COMPILED)
+@compiled
 def _best_u(v, case):
     """The best u at height v; where rounding leaves none, one in the discs, as strips are steep."""
     low, high, _, _ = _ends(v, case)
@@ -148,7 +147,7 @@ def _best_u(v, case):
     return min(max(0.5 * (low + high), left), right)
 
 
-@njit(**COMPILED)
+@compiled
 def _induced(fx, fy, lever, height):
     """Torque that a force induces at the centre of mass, 0 where it is rounding."""
     first, second = lever * fy, height * fx
@@ -156,7 +155,7 @@ def _induced(fx, fy, lever, height):
     return torque if abs(torque) > ROUNDING * (abs(first) + abs(second)) else 0.0
 
 
-@njit(**COMPILED)
+@compiled
 def _case(forces, torques, axis, weights):
     """All that the search needs: forces, grips, induced torques, and the prices."""
     f1x, f1y, f2x, f2y = forces
@@ -174,7 +173,7 @@ def _case(forces, torques, axis, weights):
     return forces, (a1, a2, height), (torque1, torque2), prices
 
 
-@njit(**COMPILED)
+@compiled
 def _best_v(case, torques):
     """Height v of least cost."""
     forces, (a1, a2, height), _, _ = case

@@ -3,9 +3,8 @@
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
-from coopenv.compiled import COMPILED, TINY, gufunc
+from coopenv.compiled import TINY, compiled, gufunc
 from coopenv.wrench.pair.bracketed_root import root_of
 
 TIE = 1e-12  # relative surcharge on pure torque: among equal costs the smallest Σ‖t_M‖ wins
@@ -14,13 +13,13 @@ FINE = 1e-17  # by how much the largest may be off
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
 
 
-@njit(**COMPILED)
+@compiled
 def _nonzero(x):
     """Keep away from 0, on the same side of it."""
     return max(x, TINY) if x >= 0.0 else min(x, -TINY)
 
 
-@njit(**COMPILED)
+@compiled
 def _slice(v, dx, dy):
     """Extent in u, at height v, of the disc with diameter 0 to (dx, dy); no cancellation."""
     half = 0.5 * abs(dx)
@@ -30,7 +29,7 @@ def _slice(v, dx, dy):
     return (near, far) if dx >= 0.0 else (-far, -near)
 
 
-@njit(**COMPILED)
+@compiled
 def _vertex(forces):
     """Height of the lens' second vertex: the foot of the perpendicular from 0 on f_1 to −f_2."""
     f1x, f1y, f2x, f2y = forces
@@ -38,7 +37,7 @@ def _vertex(forces):
     return fx * (f2x * f1y - f2y * f1x) / max(fx * fx + fy * fy, TINY)
 
 
-@njit(**COMPILED)
+@compiled
 def _lens_extent(forces):
     """Lowest and highest v in the lens: a vertex, or one disc's end where the other contains it."""
     f1x, f1y, f2x, f2y = forces
@@ -58,7 +57,7 @@ def _lens_extent(forces):
     return max(low, min(lowest, 0.0)), min(high, max(highest, 0.0))
 
 
-@njit(**COMPILED)
+@compiled
 def _interval(forces, t1, t2, a1, a2, lever):
     """Interval of feasible v: induced torques, pure torques, and the lens where it is narrower."""
     _, f1y, _, f2y = forces
@@ -78,7 +77,7 @@ def _interval(forces, t1, t2, a1, a2, lever):
     return low, high
 
 
-@njit(**COMPILED)
+@compiled
 def _best_u(forces, v):
     """Heron's point, where |f_M,1| + |f_M,2| is least at height v, clipped to the lens."""
     f1x, f1y, f2x, f2y = forces
@@ -92,7 +91,7 @@ def _best_u(forces, v):
     return min(max(u, low), high)
 
 
-@njit(**COMPILED)
+@compiled
 def _arc(v, dx, dy, side):
     """Right (side 1) or left (-1) end of a disc at height v, and the unit tangent upwards there."""
     left, right = _slice(v, dx, dy)
@@ -102,7 +101,7 @@ def _arc(v, dx, dy, side):
     return (right if side > 0.0 else left), tangent_x, tangent_y
 
 
-@njit(**COMPILED)
+@compiled
 def _direction(x, y, tangent_x, tangent_y, sign):
     """Unit vector of a force; one that vanishes does so along the tangent."""
     force = sqrt(x * x + y * y)
@@ -112,7 +111,7 @@ def _direction(x, y, tangent_x, tangent_y, sign):
     return sign * tangent_x, sign * tangent_y
 
 
-@njit(**COMPILED)
+@compiled
 def _slope(v, case):
     """Derivative of the cost along the path (best u(v), v), of the sign of d cost / d v.
 
@@ -142,12 +141,12 @@ def _slope(v, case):
 _root = root_of(_slope)
 
 
-@njit(**COMPILED)
+@compiled
 def _ordered(a, b):
     return min(a, b), max(a, b)
 
 
-@njit(**COMPILED)
+@compiled
 def _edges(forces, low, high, no_torque, a1, a2):
     """Ends and kinks of the cost in ascending order; kinks outside fall on an end."""
     vertex = min(max(_vertex(forces), low), high)
@@ -167,7 +166,7 @@ def _edges(forces, low, high, no_torque, a1, a2):
     return (low, k1, k2, k3, k4, k5, high)
 
 
-@njit(**COMPILED)
+@compiled
 def _piece(forces, applied_torque, lever, v):
     """What stays the same between two kinks: the bounding arcs and the signs of f_y and T."""
     f1x, f1y, f2x, f2y = forces
@@ -179,7 +178,7 @@ def _piece(forces, applied_torque, lever, v):
     return (low1 >= low2, high1 <= high2, sign1, sign2, sign_torque)
 
 
-@njit(**COMPILED)
+@compiled
 def _resolution(forces, lever):
     """By how much v may be off: rounding of the forces, and of what it makes of the torque."""
     f1x, f1y, f2x, f2y = forces
@@ -187,7 +186,7 @@ def _resolution(forces, lever):
     return FINE * largest / (1.0 + abs(lever))
 
 
-@njit(**COMPILED)
+@compiled
 def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, a2):
     """Minimiser v of the convex cost on [low, high]; exact where it is a kink or an end."""
     edges = _edges(forces, low, high, no_torque, a1, a2)
@@ -206,14 +205,14 @@ def _minimise(forces, weights, applied_torque, lever, low, high, no_torque, a1, 
     return high
 
 
-@njit(**COMPILED)
+@compiled
 def _left(torque, supplied):
     """What is left of a torque, 0 where it is rounding."""
     left = torque + supplied
     return left if abs(left) > 4e-16 * abs(torque) else 0.0
 
 
-@njit(**COMPILED)
+@compiled
 def _solve(forces, torques, a1, a2, w, induced):
     """Best internal force (u, v) on effector 1 and the pure torque T that remains needed."""
     t1, t2 = torques
@@ -227,7 +226,7 @@ def _solve(forces, torques, a1, a2, w, induced):
     return _best_u(forces, v), v, _left(applied_torque, lever * v)
 
 
-@njit(**COMPILED)
+@compiled
 def _share(own, other, torque):
     """Fraction of an effector's torque that is needed: in proportion among those of T's sign."""
     if own * torque <= 0.0:
@@ -236,7 +235,7 @@ def _share(own, other, torque):
     return min(abs(torque) / max(supply, TINY), 1.0)
 
 
-@njit(**COMPILED)
+@compiled
 def _in_line(applied, axis):
     """Forces and torques in the frame of the line, the largest component as unit; and that unit."""
     scale = 0.0
@@ -252,7 +251,7 @@ def _in_line(applied, axis):
     return (f1x, f1y, f2x, f2y), (applied[0, 2] * shrink, applied[1, 2] * shrink), scale
 
 
-@njit(**COMPILED)
+@compiled
 def _write(applied, axis, u, v, torques, torque, scale, manipulation):
     """Take the internal force (u, v) off, and leave the pure torque T to the effectors."""
     c, s = axis[0], axis[1]

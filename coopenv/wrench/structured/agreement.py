@@ -8,6 +8,7 @@ begin next to it.
 
 from math import sqrt
 
+from coopenv.compiled import fused
 from coopenv.wrench.structured.balance import NU, NU_STEP
 from coopenv.wrench.structured.blocks import (
     ANSWER,
@@ -37,10 +38,9 @@ from coopenv.wrench.structured.cones import (
     S,
     Z,
 )
-from coopenv.wrench.structured.lanes import compiled
 
 
-@compiled
+@fused
 def disagreement(k, system):
     """Largest sine of the angle between a force and Σ f, 1 if one opposes it."""
     _sum(k, system, 0)
@@ -62,7 +62,7 @@ def disagreement(k, system):
     return sine
 
 
-@compiled
+@fused
 def _sum(k, system, first):
     """Write Σ f to dν, or Σ t to its second half (``first`` = 3)."""
     for r in range(first, first + 3):
@@ -73,7 +73,7 @@ def _sum(k, system, first):
                 system[NU_STEP, r] += row[COLUMNS + 6 * j + r] * row[V + j]
 
 
-@compiled
+@fused
 def share_torques(k, system):
     """Candidate that keeps every force and shares the torques along their sum; return its length.
 
@@ -87,7 +87,7 @@ def share_torques(k, system):
     return norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5])
 
 
-@compiled
+@fused
 def share_needed(k, system):
     """Share what the candidate needs of pure torque among all who can supply it.
 
@@ -110,7 +110,7 @@ def share_needed(k, system):
         _share(k, system, supply)
 
 
-@compiled
+@fused
 def _supply(k, system):
     """Σ max(t_i·t, 0) for the torque t in dν."""
     supply = 0.0
@@ -121,7 +121,7 @@ def _supply(k, system):
     return supply
 
 
-@compiled
+@fused
 def _share(k, system, supply):
     """Give every torque its part of the torque t in dν.
 
@@ -139,14 +139,14 @@ def _share(k, system, supply):
             row[ANSWER + j] = row[V + j] - needed
 
 
-@compiled
+@fused
 def _along(row, system):
     """Inner product of a torque with Σ t."""
     product = row[COLUMNS + 3] * system[NU_STEP, 3] + row[COLUMNS + 4] * system[NU_STEP, 4]
     return (product + row[COLUMNS + 5] * system[NU_STEP, 5]) * row[V]
 
 
-@compiled
+@fused
 def certify(k, system, sine):
     """Leave `share_torques` as the candidate and return the bound on its suboptimality.
 
@@ -176,7 +176,7 @@ def certify(k, system, sine):
     return max(shortfall(k, system) - saving(k, ANSWER), 0.0)
 
 
-@compiled
+@fused
 def _aim(k, system, multiplier):
     """ν_f = −K f_o/‖f_o‖."""
     _sum(k, system, 0)
@@ -186,7 +186,7 @@ def _aim(k, system, multiplier):
         system[NU, r + 3] = 0.0
 
 
-@compiled
+@fused
 def start_near(k, system, sine):
     """Move the forces' start to where it must end, near 0, with the multipliers that say so.
 
@@ -204,7 +204,7 @@ def start_near(k, system, sine):
             _start_force_near(block(k, i), system, total / number)
 
 
-@compiled
+@fused
 def _start_force_near(row, system, target):
     z = FIRST_CONE + CONE + Z
     for j in range(3):  # the ball's z is −Gᵀν

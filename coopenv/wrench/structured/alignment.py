@@ -6,13 +6,13 @@ a force does not drown what only a small torque can balance: with grips on one l
 about it. About the centre of mass that is a difference of large numbers.
 """
 
+from coopenv.compiled import fused
 from coopenv.wrench.structured.blocks import COLUMNS, NEGLIGIBLE, block, norm3, set_frame
-from coopenv.wrench.structured.lanes import compiled
 
 POWERS = 3  # of the grips' scatter, to find their line
 
 
-@compiled
+@fused
 def align(k, wrench, grips, units, spare):
     """Write the rows of torque of every G about the grips' middle, in a frame along their line."""
     arm, middle, turn = spare[1], spare[3], spare[4]
@@ -31,7 +31,7 @@ def align(k, wrench, grips, units, spare):
             _turn(torque, at + 3, turn)
 
 
-@compiled
+@fused
 def turn_back(k, wrench, spare):
     """Write the directions of the torques as they were, for the answer to be read."""
     turn = spare[4]
@@ -43,21 +43,21 @@ def turn_back(k, wrench, spare):
             _turn(block(k, 2 * i + 1), COLUMNS + 6 * j + 3, turn)
 
 
-@compiled
+@fused
 def _turn(row, at, turn):
     x, y, z = row[at], row[at + 1], row[at + 2]
     for r in range(3):
         row[at + r] = turn[r, 0] * x + turn[r, 1] * y + turn[r, 2] * z
 
 
-@compiled
+@fused
 def _pushes(wrench, i, force):
     """Whether an effector has a force that counts."""
     third = wrench[i, 2] if wrench.shape[1] == 6 else 0.0
     return norm3(wrench[i, 0], wrench[i, 1], third) > NEGLIGIBLE * force
 
 
-@compiled
+@fused
 def _arm(grips, i, middle, arm):
     """Write a grip as seen from the middle."""
     arm[2] = 0.0
@@ -65,7 +65,7 @@ def _arm(grips, i, middle, arm):
         arm[r] = grips[i, r] - middle[r]
 
 
-@compiled
+@fused
 def _find_middle(wrench, grips, force, middle):
     number = 0
     for r in range(3):
@@ -79,7 +79,7 @@ def _find_middle(wrench, grips, force, middle):
         middle[r] /= max(number, 1)
 
 
-@compiled
+@fused
 def _find_line(wrench, grips, force, spare):
     """Write the frame along the line that the grips are closest to; in a plane its own."""
     full, arm, scatter, middle, turn = spare

@@ -5,8 +5,9 @@ matrix, its lower triangle or its factors LDLᵀ. What no block can make is left
 the blocks grow in four lanes, in a chunk of their own, until they are collected.
 """
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.blocks import ANSWER, COLUMNS, FREE, RADIUS, chunk, num_chunks
-from coopenv.wrench.structured.lanes import compiled, inlined, total, where
+from coopenv.wrench.structured.lanes import total, where
 from coopenv.wrench.structured.memory import TABLE_WIDTH, after
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
@@ -17,27 +18,27 @@ RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # place of sums of forces and torques, be
 SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks lest memory be written
 
 
-@inlined
+@fused_inlined
 def sums(k):
     """Fields of the chunk where sums over the blocks grow."""
     return chunk(k, num_chunks(k))
 
 
-@inlined
+@fused_inlined
 def clear_matrix(k):
     """Begin sums of squares."""
     for r in range(RESULTANT):
         sums(k)[r] = 0.0
 
 
-@inlined
+@fused_inlined
 def clear_resultant(k):
     """Begin sums of forces and torques."""
     for r in range(6):
         sums(k)[RESULTANT + r] = 0.0
 
 
-@inlined
+@fused_inlined
 def collect_matrix(k, system):
     """Write the sum of squares to the matrix."""
     for r in range(6):
@@ -45,14 +46,14 @@ def collect_matrix(k, system):
             system[r, t] = total(sums(k)[TABLE_WIDTH * r + t])
 
 
-@inlined
+@fused_inlined
 def collect_resultant(k, system, at, sign):
     """Add the sum of forces and torques to a row of the system, or subtract it."""
     for r in range(6):
         system[at, r] += sign * total(sums(k)[RESULTANT + r])
 
 
-@inlined
+@fused_inlined
 def add_squares(k, columns, first, x, y, z):
     """Add G diag(x, y, z) Gᵀ of a chunk, the columns being fields of six from row ``first`` on."""
     matrix = sums(k)
@@ -63,7 +64,7 @@ def add_squares(k, columns, first, x, y, z):
             matrix[TABLE_WIDTH * r + t] += part
 
 
-@inlined
+@fused_inlined
 def add_resultant(k, i, x, y, z):
     """Add G (x, y, z) of a chunk."""
     b, first = chunk(k, i), 3 * (i & 1)
@@ -76,7 +77,7 @@ def add_resultant(k, i, x, y, z):
             sums(k)[RESULTANT + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
 
 
-@compiled
+@fused
 def mark_alive(k, system):
     """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
     clear_matrix(k)
@@ -88,14 +89,14 @@ def mark_alive(k, system):
     find_pivots(system)
 
 
-@inlined
+@fused_inlined
 def _weights(b, weight):
     """The weight for every free coordinate, 0 for the others."""
     some, several, all_three = b[FREE] > 0.0, b[FREE] > 1.0, b[FREE] > 2.0
     return where(some, weight, 0.0), where(several, weight, 0.0), where(all_three, weight, 0.0)
 
 
-@inlined
+@fused_inlined
 def seen(b, system, at, torque):
     """Gᵀx of a chunk for the x in a row of the system."""
     first = 3 if torque else 0
@@ -112,7 +113,7 @@ def seen(b, system, at, torque):
     return y0, y1, y2
 
 
-@compiled
+@fused
 def resultant(k, system, part, at):
     """Write −Σ G x for a part x of the blocks to a row; return its largest component."""
     clear_resultant(k)
@@ -125,7 +126,7 @@ def resultant(k, system, part, at):
     return largest_component(system, at)
 
 
-@inlined
+@fused_inlined
 def largest_component(system, at):
     """Largest size of the numbers in a row of the system."""
     largest = 0.0
@@ -134,7 +135,7 @@ def largest_component(system, at):
     return largest
 
 
-@compiled
+@fused
 def spread_evenly(k, system):
     """Take the candidate answer back to G g = 0, every block in proportion to the square of ‖v‖."""
     clear_matrix(k)
@@ -156,7 +157,7 @@ def spread_evenly(k, system):
             b[ANSWER + 2] += z * y2
 
 
-@compiled
+@fused
 def find_pivots(system):
     """Factorise a Gram matrix in place and mark its pivots that do not vanish."""
     largest = 0.0
@@ -169,14 +170,14 @@ def find_pivots(system):
         _eliminate(system, r)
 
 
-@compiled
+@fused
 def factorise_system(system):
     """Factorise the matrix in place, without what cannot be made."""
     for r in range(6):
         _eliminate(system, r)
 
 
-@compiled
+@fused
 def _eliminate(system, j):
     """One column of LDLᵀ in the lower triangle, 1/D on the diagonal; 0 for a dead pivot."""
     if not (system[ALIVE, j] > 0.0 and system[j, j] > 0.0):
@@ -193,7 +194,7 @@ def _eliminate(system, j):
     system[j, j] = per_pivot
 
 
-@compiled
+@fused
 def solve_system(system):
     """Solve for dν in place."""
     s = system

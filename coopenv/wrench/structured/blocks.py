@@ -17,8 +17,9 @@ has fewer, blocks without free coordinates fill the lanes.
 
 from math import sqrt
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.cones import CONE, TINY
-from coopenv.wrench.structured.lanes import LANES, compiled, inlined, largest
+from coopenv.wrench.structured.lanes import LANES, largest
 from coopenv.wrench.structured.memory import after, lane
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
@@ -35,55 +36,55 @@ LEAST, CHEAP = 1e-14, 1e-9  # the same for torques that cost more than this part
 RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it
 
 
-@inlined
+@fused_inlined
 def norm3(x, y, z):
     """Length of a vector."""
     return sqrt(x * x + y * y + z * z)
 
 
-@inlined
+@fused_inlined
 def chunks_for(num_effectors):
     """Chunks for so many effectors: two for every four."""
     return 2 * ((num_effectors + LANES - 1) // LANES)
 
 
-@inlined
+@fused_inlined
 def num_chunks(k):
     """Chunks of a sample."""
     return k[1]
 
 
-@inlined
+@fused_inlined
 def num_blocks(k):
     """Blocks in all, those included that only fill the lanes."""
     return LANES * k[1]
 
 
-@inlined
+@fused_inlined
 def chunk(k, i):
     """Fields of chunk i, each of four blocks at once."""
     return after(k[0], WIDTH * i)
 
 
-@inlined
+@fused_inlined
 def block(k, i):
     """Fields of block i, each a number."""
     return lane(chunk(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
 
 
-@inlined
+@fused_inlined
 def num_cones(b):
     """Most cones that a block of the chunk has."""
     return int(largest(b[CONES]))
 
 
-@inlined
+@fused_inlined
 def cone_of(b, c):
     """Fields of the cones c of a chunk, as `second_order` has them."""
     return after(b, FIRST_CONE + CONE * c)
 
 
-@compiled
+@fused
 def fill(k, wrench, grips, w, induced, spare):
     """Write the sample's blocks; return its units of force, length and cost."""
     full, grip, frame = spare[0], spare[1], spare[2]
@@ -116,7 +117,7 @@ def fill(k, wrench, grips, w, induced, spare):
     return force, length, cost
 
 
-@compiled
+@fused
 def _units(wrench, grips, full, grip):
     """Units of force and length such that nothing exceeds 1; and the longest lever."""
     force, torque, length = 0.0, 0.0, 0.0
@@ -133,7 +134,7 @@ def _units(wrench, grips, full, grip):
     return (torque / length if torque > 0.0 else 1.0), length, longest
 
 
-@compiled
+@fused
 def _spread(wrench, grips, i, full, grip):
     """Write effector i's wrench and grip in three dimensions."""
     grip[0], grip[1] = grips[i, 0], grips[i, 1]
@@ -147,7 +148,7 @@ def _spread(wrench, grips, i, full, grip):
     grip[2] = grips[i, 2]
 
 
-@compiled
+@fused
 def _fill_force(row, full, grip, frame, planar, longest):
     x, y, z = full[0], full[1], full[2]
     size, lever = norm3(x, y, z), norm3(grip[0], grip[1], grip[2])
@@ -174,7 +175,7 @@ def _fill_force(row, full, grip, frame, planar, longest):
         row[FREE], row[CONES] = 0.0, 0.0
 
 
-@compiled
+@fused
 def _fill_torque(row, full, frame, planar, least):
     x, y, z = full[3], full[4], full[5]
     size = norm3(x, y, z)
@@ -189,7 +190,7 @@ def _fill_torque(row, full, frame, planar, least):
         row[FREE], row[CONES] = 0.0, 0.0
 
 
-@compiled
+@fused
 def _set_columns(row, frame, first, lever):
     """Write G: the frame's axes from component ``first`` on, and the torques they induce."""
     for j in range(18):
@@ -203,7 +204,7 @@ def _set_columns(row, frame, first, lever):
             row[COLUMNS + 15 + r] = -lever * frame[1, r]
 
 
-@compiled
+@fused
 def set_frame(frame, x, y, z, px, py, pz):
     """Write the rows: the unit vector (x, y, z), the direction of p across it, their product."""
     size = norm3(px, py, pz)
@@ -221,14 +222,14 @@ def set_frame(frame, x, y, z, px, py, pz):
     frame[2, 0], frame[2, 1], frame[2, 2] = y * pz - z * py, z * px - x * pz, x * py - y * px
 
 
-@compiled
+@fused
 def _across(x, y, z, px, py, pz):
     """Part of p across the unit vector (x, y, z)."""
     along = x * px + y * py + z * pz
     return px - along * x, py - along * y, pz - along * z
 
 
-@compiled
+@fused
 def write(k, wrench, force, length, manipulation):
     """Manipulation wrench h − g of the candidate answer, in its own units and frame."""
     size = wrench.shape[1]

@@ -10,6 +10,7 @@ by weak duality; every term is ≥ 0 and is evaluated without cancellation. Cost
 
 from math import sqrt
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import NU, NU_STEP, resultant, seen
 from coopenv.wrench.structured.blocks import (
     ANSWER,
@@ -26,24 +27,14 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import TINY, Z
-from coopenv.wrench.structured.lanes import (
-    compiled,
-    inlined,
-    larger,
-    largest,
-    root,
-    size,
-    splat,
-    total,
-    where,
-)
+from coopenv.wrench.structured.lanes import larger, largest, root, size, splat, total, where
 
 NOISE = 1e-28  # square of an internal part that may point anywhere
 LAG = 4.0  # by which multipliers may still grow
 SLACK = 1e-15  # what an answer's own rounding makes it miss from balance of torque
 
 
-@compiled
+@fused
 def shortfall(k, system):
     """Bound on J(h) − J* from the multipliers and the cones' z."""
     bound = splat(0.0)
@@ -52,7 +43,7 @@ def shortfall(k, system):
     return total(bound)
 
 
-@inlined
+@fused_inlined
 def block_shortfall(b, y0, y1, y2):
     """Terms of the bound for y = Gᵀν, which becomes ζ_ball."""
     bound = splat(0.0)
@@ -79,13 +70,13 @@ def block_shortfall(b, y0, y1, y2):
     return where(b[FREE] > 0.0, bound, 0.0)
 
 
-@inlined
+@fused_inlined
 def _length(x, y, z):
     """Length of a vector, in every lane."""
     return root(x * x + y * y + z * z)
 
 
-@inlined
+@fused_inlined
 def _defect(a0, a1, a2, b0, b1):
     """‖a‖‖b‖ + a·b for b = (b_0, b_1, 0)."""
     product = a0 * b0 + a1 * b1
@@ -96,7 +87,7 @@ def _defect(a0, a1, a2, b0, b1):
     return where(product >= 0.0, sizes + product, opposed)
 
 
-@compiled
+@fused
 def saving(k, part):
     """J(h) − J(h − g) for g at ``part`` of the blocks, accurate where g is small."""
     saved = splat(0.0)
@@ -105,7 +96,7 @@ def saving(k, part):
     return total(saved)
 
 
-@inlined
+@fused_inlined
 def block_saving(b, part):
     """J(h) − J(h − g) of four blocks."""
     v0, v1, g0, g1, g2 = b[V], b[V + 1], b[part], b[part + 1], b[part + 2]
@@ -122,7 +113,7 @@ def block_saving(b, part):
     return where(b[FREE] > 0.0, saved, 0.0)
 
 
-@compiled
+@fused
 def undercut(k, system, saved):
     """Estimate how far below J* an answer's cost may be, as it is right only to rounding.
 
@@ -143,7 +134,7 @@ def undercut(k, system, saved):
     return min(max(saved, 0.0), SLACK * sqrt(square) + LAG * (worth + total(outside)))
 
 
-@compiled
+@fused
 def neglected(k, system):
     """What the bound would grow by for the vectors that were left as applied for their size.
 
@@ -162,7 +153,7 @@ def neglected(k, system):
     return total(bound)
 
 
-@inlined
+@fused_inlined
 def _worth_of_excess(b):
     """ε‖ζ‖ of the balls and discs that the candidate leaves by ε, of four blocks."""
     inner, square = products(b)
@@ -172,14 +163,14 @@ def _worth_of_excess(b):
     return worth + where(b[CONES] > 2.0, disc * cone_of(b, 2)[Z], 0.0)
 
 
-@inlined
+@fused_inlined
 def products(b):
     """Without the first coordinate: g·v and ‖g‖² of the candidate."""
     g1, g2 = b[ANSWER + 1], b[ANSWER + 2]
     return g1 * b[V + 1], g1 * g1 + g2 * g2
 
 
-@inlined
+@fused_inlined
 def leaving(inner, square, radius):
     """By how much one ball is left, from g·v and ‖g‖²; accurate near 0."""
     out = larger(square - inner, 0.0)

@@ -10,7 +10,8 @@ solvers", 2010, sections 4 and 5.
 
 import numpy as np
 
-from coopenv.wrench.structured.lanes import compiled, inlined, larger, root, some, splat, where
+from coopenv.compiled import fused, fused_inlined
+from coopenv.wrench.structured.lanes import larger, root, some, splat, where
 
 S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # fields: the pair, scaling, right-hand side, steps
 DET_S, DET_Z, ERROR_S, ERROR_Z = 24, 25, 26, 27
@@ -23,7 +24,7 @@ CANCELLED = 1e-3  # s·z, relative to s_0 z_0, below which it is not taken from 
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
 
-@inlined
+@fused_inlined
 def mirrored(cone, a, b):
     """aᵀJb, the inner product with one tail negated; ``mirrored(cone, a, a)`` is det a."""
     return (
@@ -34,7 +35,7 @@ def mirrored(cone, a, b):
     )
 
 
-@inlined
+@fused_inlined
 def product(cone, a, b):
     """Inner product aᵀb."""
     return (
@@ -45,13 +46,13 @@ def product(cone, a, b):
     )
 
 
-@inlined
+@fused_inlined
 def tail(cone, x):
     """Length of x without its first component."""
     return root(cone[x + 1] * cone[x + 1] + cone[x + 2] * cone[x + 2] + cone[x + 3] * cone[x + 3])
 
 
-@inlined
+@fused_inlined
 def scale(cone):
     """Write the Nesterov-Todd direction w, λ and what else belongs to the scaling.
 
@@ -82,7 +83,7 @@ def scale(cone):
     cone[PER_S], cone[SQUARE], cone[PER_SQUARE] = per_s, root_z * per_s, root_s * per_z
 
 
-@inlined
+@fused_inlined
 def inner(cone):
     """s·z, accurate also where the vectors are long and nearly opposite."""
     plain, heads = product(cone, S, Z), cone[S] * cone[Z]
@@ -90,7 +91,7 @@ def inner(cone):
     return where(cancelled, _inner_of_opposite(cone), plain) if some(cancelled) else plain
 
 
-@compiled
+@fused
 def _inner_of_opposite(cone):
     s, z = S, Z
     tails = cone[s + 1] * cone[z + 1] + cone[s + 2] * cone[z + 2] + cone[s + 3] * cone[z + 3]
@@ -103,7 +104,7 @@ def _inner_of_opposite(cone):
     return 0.5 * (cone[DET_S] / lean + cone[DET_Z] * lean) + aligned
 
 
-@inlined
+@fused_inlined
 def unscaled(cone, x0, x1, x2, x3):
     """η W⁻¹ x."""
     w0, w1, w2, w3 = cone[W], cone[W + 1], cone[W + 2], cone[W + 3]
@@ -112,7 +113,7 @@ def unscaled(cone, x0, x1, x2, x3):
     return w0 * x0 - along, x1 + step * w1, x2 + step * w2, x3 + step * w3
 
 
-@inlined
+@fused_inlined
 def dual_step(cone):
     """Write dz = q − W⁻² ds."""
     w, q, ds, dz = W, Q, DS, DZ
@@ -123,7 +124,7 @@ def dual_step(cone):
         cone[dz + r] = cone[q + r] - square * (cone[ds + r] - cone[w + r] * along)
 
 
-@inlined
+@fused_inlined
 def correct(cone, target, present):
     """Write the second-order corrector's right-hand side; 0 where there is no such cone.
 
@@ -154,7 +155,7 @@ def correct(cone, target, present):
     cone[q + 2], cone[q + 3] = where(present, q2, 0.0), where(present, q3, 0.0)
 
 
-@inlined
+@fused_inlined
 def longest_step(cone, x, dx, det):
     """Largest α with x + α dx in the cone; infinite where the ray stays inside."""
     slope = mirrored(cone, x, dx)
@@ -167,7 +168,7 @@ def longest_step(cone, x, dx, det):
     return where((under > 0.0) & (square >= 0.0), over / under, np.inf)
 
 
-@inlined
+@fused_inlined
 def advance(cone, x, dx, which, step):
     """Take a step, carrying the det and what rounding may have done to it (``which`` is its place).
 
@@ -183,7 +184,7 @@ def advance(cone, x, dx, which, step):
         cone[x + r] += step * cone[dx + r]
 
 
-@inlined
+@fused_inlined
 def refresh(cone, x, which):
     """Evaluate a det anew where that is more accurate than carrying it along."""
     error = which + ERROR_S - DET_S
@@ -193,7 +194,7 @@ def refresh(cone, x, which):
         renew(cone, which, (cone[x] - length) * (cone[x] + length), doubt)
 
 
-@inlined
+@fused_inlined
 def renew(cone, which, value, doubt):
     """Take a det evaluated anew, uncertain by ``doubt``, in the lanes where that is better."""
     error = which + ERROR_S - DET_S

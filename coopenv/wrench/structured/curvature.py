@@ -4,16 +4,17 @@ H, of size 3, is the sum of the curvatures of the block's cones in its free coor
 factorised and never inverted, since close to the boundary its parts differ by many magnitudes.
 """
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import SCRATCH, add_squares, sums
 from coopenv.wrench.structured.blocks import COLUMNS, CONES, FACTOR, FREE, chunk, cone_of, num_cones
 from coopenv.wrench.structured.cones import PER_BEND, SQUARE, Q, W, Z, scale
-from coopenv.wrench.structured.lanes import compiled, inlined, larger, splat, where
+from coopenv.wrench.structured.lanes import larger, splat, where
 from coopenv.wrench.structured.memory import after
 
 FLOOR = 1e-15  # least pivot of H, relative to its diagonal
 
 
-@compiled
+@fused
 def factorise_block(k, i):
     """Scale the cones, factorise H, carry G through L, add G H⁻¹ Gᵀ to M (lower triangle)."""
     b = chunk(k, i)
@@ -41,7 +42,7 @@ def factorise_block(k, i):
     add_squares(k, carried, 3 * (i & 1), p0, p1, p2)
 
 
-@inlined
+@fused_inlined
 def _hessian(b):
     """Upper triangle of H: the sum of the cones' curvatures, τ eliminated."""
     zero = splat(0.0)
@@ -61,7 +62,7 @@ def _hessian(b):
     return h00, h01, h02, h11, h12, h22
 
 
-@inlined
+@fused_inlined
 def under_hessian(b, y0, y1, y2):
     """H⁻¹ y."""
     y1 -= b[FACTOR] * y0

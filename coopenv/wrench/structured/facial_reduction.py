@@ -10,6 +10,7 @@ interior, the iterations' multipliers grow along λ without end, and there λ is
 if the equations hold to rounding; then the parts are fixed and the iterations start afresh.
 """
 
+from coopenv.compiled import fused
 from coopenv.wrench.structured.balance import (
     NU,
     NU_STEP,
@@ -35,7 +36,6 @@ from coopenv.wrench.structured.blocks import (
     num_chunks,
 )
 from coopenv.wrench.structured.cones import CONE, Z
-from coopenv.wrench.structured.lanes import compiled
 from coopenv.wrench.structured.memory import after
 
 LARGE = 0.03  # of the largest multiplier: one that may belong to λ
@@ -44,7 +44,7 @@ POSITIVE = 1e-6  # μ v, relative to the largest, from which on a part is fixed
 LAMBDA, SEEING = NU_STEP, STEP  # where λ is kept, and which coordinates see what must be 0
 
 
-@compiled
+@fused
 def fix_immovable(k, system, multiplier):
     """Fix what is proved immovable, if anything is; return whether so.
 
@@ -76,7 +76,7 @@ def fix_immovable(k, system, multiplier):
     return fixed
 
 
-@compiled
+@fused
 def _suspect(row, limit):
     """Propose free coordinates: none for a large multiplier of the ball, one for the disc's."""
     row[PENDING] = row[FREE]
@@ -88,7 +88,7 @@ def _suspect(row, limit):
         row[PENDING] = 1.0
 
 
-@compiled
+@fused
 def _along(row, system, j):
     """Coordinate j of −Gᵀλ."""
     total = 0.0
@@ -97,7 +97,7 @@ def _along(row, system, j):
     return total
 
 
-@compiled
+@fused
 def _may_differ(row, j):
     """Whether coordinate j of −Gᵀλ may differ from 0 by the proposal."""
     if row[PENDING] == row[FREE]:
@@ -107,7 +107,7 @@ def _may_differ(row, j):
     return j == 1 or (j == 0 and row[PENDING] == 0.0 and abs(row[V]) > EXACT)
 
 
-@compiled
+@fused
 def _project(k, system):
     """Make λ obey the equations: subtract what is seen by coordinates that must be 0."""
     for r in range(6):
@@ -132,7 +132,7 @@ def _project(k, system):
         system[LAMBDA, r] = system[SPARE, r] - system[LAMBDA, r]
 
 
-@compiled
+@fused
 def _proves(row, system, size):
     """Whether λ obeys a block's equations with μ ≥ 0; settle what of the proposal has μ > 0."""
     for j in range(int(row[FREE])):

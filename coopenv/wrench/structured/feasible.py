@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import (
     NU_STEP,
     largest_component,
@@ -14,17 +15,7 @@ from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chu
 from coopenv.wrench.structured.bound import NOISE, leaving, products, saving
 from coopenv.wrench.structured.cones import TINY
 from coopenv.wrench.structured.curvature import under_hessian
-from coopenv.wrench.structured.lanes import (
-    compiled,
-    inlined,
-    larger,
-    largest,
-    size,
-    smaller,
-    smallest,
-    splat,
-    where,
-)
+from coopenv.wrench.structured.lanes import larger, largest, size, smaller, smallest, splat, where
 
 EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
 OWN_EXCESS = 1e-10  # [radii] by which a torque may leave its ball in the end
@@ -33,7 +24,7 @@ EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not
 BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a patient one's
 
 
-@compiled
+@fused
 def settle(k, system, part, excess, balanced):
     """Make the g at ``part`` an answer: balanced, and in every ball; return J(h) − J.
 
@@ -65,7 +56,7 @@ def settle(k, system, part, excess, balanced):
     return saving(k, ANSWER)
 
 
-@compiled
+@fused
 def clear(k):
     """Leave what was applied as the answer."""
     for i in range(num_chunks(k)):
@@ -74,7 +65,7 @@ def clear(k):
             b[ANSWER + j] = 0.0
 
 
-@compiled
+@fused
 def fit(k):
     """Draw torques of the answer that leave their balls by a part of themselves back into them.
 
@@ -89,7 +80,7 @@ def fit(k):
             b[ANSWER + j] *= room
 
 
-@compiled
+@fused
 def _missed(k, system):
     """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
     resultant(k, system, ANSWER, NU_STEP)
@@ -111,7 +102,7 @@ def _missed(k, system):
     return missed
 
 
-@compiled
+@fused
 def _balance(k, system):
     """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
     solve_system(system)
@@ -123,7 +114,7 @@ def _balance(k, system):
         b[ANSWER + 2] += z
 
 
-@inlined
+@fused_inlined
 def _room(b, excess):
     """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
     inner, square = products(b)
@@ -133,7 +124,7 @@ def _room(b, excess):
     return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
 
 
-@inlined
+@fused_inlined
 def _room_of(inner, square, radius, excess, noise):
     """Largest θ ≤ 1 for one ball, from g·v and ‖g‖², where that is more than noise."""
     outside = leaving(inner, square, radius) > excess

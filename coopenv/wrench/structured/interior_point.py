@@ -4,12 +4,13 @@ from math import sqrt
 
 import numpy as np
 
+from coopenv.compiled import fused
 from coopenv.wrench.structured.agreement import certify, disagreement, share_torques, start_near
 from coopenv.wrench.structured.balance import BALANCE, largest_component, mark_alive
 from coopenv.wrench.structured.blocks import ANSWER, CONES, KEPT, G, chunk, num_chunks
 from coopenv.wrench.structured.facial_reduction import fix_immovable
 from coopenv.wrench.structured.feasible import BALANCED, EVENLY, EXCESS, LOOSE, clear, settle
-from coopenv.wrench.structured.lanes import compiled, splat, total
+from coopenv.wrench.structured.lanes import splat, total
 from coopenv.wrench.structured.newton import improve, predict
 from coopenv.wrench.structured.start import start
 from coopenv.wrench.structured.step import measure
@@ -30,7 +31,7 @@ DOUBTFUL = 1e-8  # gap of the answer kept from which on the last iterate is trie
 STUCK = 1e-6  # step length that is none
 
 
-@compiled
+@fused
 def solve(k, system, tolerance, patient):
     """Leave the best answer found in the blocks; return the iterations and its gap.
 
@@ -85,7 +86,7 @@ def solve(k, system, tolerance, patient):
     return step, _best_answer(k, system, bound, shared, kept, step > began, balanced)
 
 
-@compiled
+@fused
 def _keep(k, saved, kept):
     """Keep the candidate if it saves more than what was kept; return what is saved now."""
     if not saved > kept:
@@ -97,7 +98,7 @@ def _keep(k, saved, kept):
     return saved
 
 
-@compiled
+@fused
 def _best_answer(k, system, bound, shared, kept, iterated, balanced):
     """Leave the cheapest answer at hand: settled, shared, or as applied; return its gap."""
     if iterated and bound - kept > min(DOUBTFUL, bound):
@@ -118,7 +119,7 @@ def _best_answer(k, system, bound, shared, kept, iterated, balanced):
     return bound
 
 
-@compiled
+@fused
 def _step(k, system, now, slow, careful, patient):
     """Predict and correct from complementarity ``now``; return the lengths of the step found.
 

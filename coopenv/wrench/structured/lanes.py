@@ -10,23 +10,16 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
+from coopenv.compiled import fused_inlined
+
 LANES = 4
 FLAGS = ("contract",)  # a product and a sum may become one instruction
 VECTOR = ir.VectorType(ir.DoubleType(), LANES)
-OPTIONS: dict[str, Any] = {
-    "error_model": "numpy",
-    "nogil": True,
-    "fastmath": set(FLAGS),
-    "no_cpython_wrapper": True,  # they are called from compiled code only
-    "no_cfunc_wrapper": True,
-}
-compiled = njit(**OPTIONS)
-inlined = njit(**OPTIONS, forceinline=True)
 declared: Any = infer_global
 
 NUMBER_AND_NUMBER = {"add": "fadd", "sub": "fsub", "mul": "fmul", "truediv": "fdiv"}
@@ -186,19 +179,19 @@ def element(typing_context, x, which):
     return types.float64(lanes, types.intp), generate
 
 
-@inlined
+@fused_inlined
 def total(x):
     """Sum of the lanes."""
     return (element(x, 0) + element(x, 2)) + (element(x, 1) + element(x, 3))
 
 
-@inlined
+@fused_inlined
 def largest(x):
     """Largest of the lanes."""
     return max(max(element(x, 0), element(x, 2)), max(element(x, 1), element(x, 3)))
 
 
-@inlined
+@fused_inlined
 def smallest(x):
     """Smallest of the lanes."""
     return min(min(element(x, 0), element(x, 2)), min(element(x, 1), element(x, 3)))

@@ -14,6 +14,7 @@ as the next one starts from the r there is; where progress is slow it is refined
 
 from math import inf
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import (
     BALANCE,
     NU_STEP,
@@ -54,20 +55,12 @@ from coopenv.wrench.structured.cones import (
     product,
 )
 from coopenv.wrench.structured.curvature import factorise_block, under_hessian
-from coopenv.wrench.structured.lanes import (
-    compiled,
-    inlined,
-    smaller,
-    smallest,
-    splat,
-    total,
-    where,
-)
+from coopenv.wrench.structured.lanes import smaller, smallest, splat, total, where
 
 REGULAR = 1e-14  # added to the pivots of M, relative to its diagonal
 
 
-@compiled
+@fused
 def predict(k, system):
     """Factorise and step towards the boundary; return `_move`'s lengths and products."""
     clear_matrix(k)
@@ -82,7 +75,7 @@ def predict(k, system):
     return _move(k, system, False)
 
 
-@compiled
+@fused
 def improve(k, system, target, refined):
     """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
     clear_resultant(k)
@@ -94,7 +87,7 @@ def improve(k, system, target, refined):
     return _move(k, system, refined)
 
 
-@inlined
+@fused_inlined
 def _load(k, i):
     """Take ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to the resultant.
 
@@ -116,7 +109,7 @@ def _load(k, i):
     add_resultant(k, i, x, y, z)
 
 
-@compiled
+@fused
 def _move(k, system, refined):
     """Solve for dν and write dg, ds and dz of every block.
 
@@ -154,7 +147,7 @@ def _move(k, system, refined):
     return smallest(primal), smallest(dual), total(moved), total(dual_moved), total(both)
 
 
-@compiled
+@fused
 def _refine(k, system):
     """Write dg and solve once more for what it misses of balance, Σ G dg = r.
 
@@ -173,7 +166,7 @@ def _refine(k, system):
     solve_system(system)
 
 
-@inlined
+@fused_inlined
 def _move_cone(cone, x, y, z, c, present):
     """Write ds and dz for dg = (x, y, z); a cost's τ moves so that its own dual stays c."""
     is_cost = c == 0 or c == 3

@@ -1,5 +1,6 @@
 """Where the structured solver's iterations begin: the centre of every ball, compiled."""
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import NU
 from coopenv.wrench.structured.blocks import (
     CONES,
@@ -16,12 +17,12 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import DET_S, DET_Z, ERROR_S, ERROR_Z, ROUNDING, S, Z
-from coopenv.wrench.structured.lanes import compiled, inlined, root, size, splat, total, where
+from coopenv.wrench.structured.lanes import root, size, splat, total, where
 
 EVEN = 0.5  # s·z of a ball at the start, in mean costs of a force or torque
 
 
-@compiled
+@fused
 def start(k, system):
     """Begin in the middle of every ball, with multipliers that need no balance.
 
@@ -46,13 +47,13 @@ def start(k, system):
             _start_cone(b, c, target)
 
 
-@inlined
+@fused_inlined
 def _length(x, y):
     """Length of a vector (x, y, 0)."""
     return root(x * x + y * y)
 
 
-@inlined
+@fused_inlined
 def _start_cone(b, c, target):
     """Put s of a ball to its centre, τ of a cost to twice the norm, and z to (z_0, 0).
 

@@ -1,5 +1,6 @@
 """Taking a step of the structured solver, and seeing in the same pass where it led; compiled."""
 
+from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import (
     BALANCE,
     NU,
@@ -36,19 +37,10 @@ from coopenv.wrench.structured.cones import (
     refresh,
     renew,
 )
-from coopenv.wrench.structured.lanes import (
-    compiled,
-    inlined,
-    larger,
-    largest,
-    size,
-    splat,
-    total,
-    where,
-)
+from coopenv.wrench.structured.lanes import larger, largest, size, splat, total, where
 
 
-@compiled
+@fused
 def measure(k, system, primal, dual):
     """Take a step of these lengths and see where it led, in one pass; r and Gᵀν are written.
 
@@ -82,7 +74,7 @@ def measure(k, system, primal, dual):
     return total(bound), total(saved), mean, largest(multiplier)
 
 
-@inlined
+@fused_inlined
 def _advance_block(b, primal, dual):
     """Take the step; dets anew where that is the more accurate, balls' from g·(v − g)."""
     for j in range(3):
@@ -99,7 +91,7 @@ def _advance_block(b, primal, dual):
             _renew_ball(b, cone, c)
 
 
-@inlined
+@fused_inlined
 def _renew_ball(b, cone, c):
     """Take s and its det of a ball or disc from g and v − g."""
     inside, doubt = splat(0.0), splat(0.0)

@@ -1,0 +1,108 @@
+"""Where users import from: what README, docs, examples and every ``__all__`` have named."""
+
+from importlib import import_module
+
+import gymnasium
+import pytest
+
+import coopenv  # noqa: F401 - registers the ids
+
+VIEWS = ("env", "parallel_env", "single_env", "vector_env")
+
+NAMES: dict[str, tuple[str, ...]] = {
+    "coopenv": (
+        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Partner", "Player", "Ranges",
+        "Reference", "Scene", "Sensor", "State", "Task", "TrackingTask", "Transition", "Transport",
+        "TransportConfig", "TransportTask", "WalkerAvoidTask", "WalkerTurnTask", "__version__",
+        "beam_doorway_v0", "beam_tracking_v0", "beam_transport_v0", "register", "rewards",
+        "walker_avoid_v0", "walker_turn_v0", "wrench",
+    ),
+    "coopenv.agents.controllers": (
+        "Gains", "ImpedanceController", "RandomPolicy", "approach", "wrapped",
+    ),
+    "coopenv.agents.partners": (
+        "DEFAULT", "PARTNERS", "Follower", "Impedance", "Kind", "Lagging", "Leader", "LoadSharing",
+        "Noisy", "Person", "Population", "Stubborn", "Switching", "find_partner",
+    ),
+    "coopenv.agents.sb3": (
+        "FallingRate", "SB3Policy", "Scaled", "TransportVecEnv", "feature_scale", "make_vec_env",
+    ),
+    "coopenv.agents.settings": ("EnvironmentChoice", "TrainConfig"),
+    "coopenv.agents.studies.people": ("People",),
+    "coopenv.agents.train": ("EnvironmentChoice", "TrainConfig", "train"),
+    "coopenv.arrays": ("FloatArray",),
+    "coopenv.beam_doorway_v0": VIEWS,
+    "coopenv.beam_tracking_v0": VIEWS,
+    "coopenv.beam_transport_v0": VIEWS,
+    "coopenv.envs": ("TransportEnv", "TransportParallelEnv", "TransportVectorEnv"),
+    "coopenv.errors": (
+        "BodyLost", "CoopenvError", "InvalidInput", "MissingExtra", "ResetNeeded", "SolverError",
+        "UnknownName",
+    ),
+    "coopenv.logs": (
+        "Analysis", "Layout", "Recording", "Summary", "analyse", "decompose_file", "read",
+    ),
+    "coopenv.observation": ("BLOCKS", "ranges"),
+    "coopenv.rewards": (
+        "PRESETS", "ActionRate", "Contact", "Effort", "InternalForce", "InternalTorque",
+        "LoadShare", "Potential", "PotentialShaping", "Progress", "RelativeCost", "RewardSum",
+        "Success", "Term", "TimeCost", "TrackingError", "find_reward", "recompute",
+    ),
+    "coopenv.tasks": (
+        "TASKS", "DoorwayTask", "Episode", "FurnishedTask", "GuidedTask", "JudgedTask",
+        "MarkedTask", "MovingTask", "Pose", "PoseTask", "Reference", "RollingTask", "SensedTask",
+        "Task", "TrackingTask", "TransportTask", "WalkerAvoidTask", "WalkerTurnTask", "WayTask",
+    ),
+    "coopenv.tasks.base": (
+        "Episode", "FurnishedTask", "GuidedTask", "JudgedTask", "MarkedTask", "MovingTask", "Pose",
+        "SensedTask", "Task", "WayTask",
+    ),
+    "coopenv.transition": ("State", "Transition"),
+    "coopenv.walker_avoid_v0": VIEWS,
+    "coopenv.walker_turn_v0": VIEWS,
+    "coopenv.wrench": (
+        "GENERAL_METHODS", "METHODS", "SOLVERS", "Decomposer", "Decomposition", "EnergyShare",
+        "LoadShare", "Residuals", "Settings", "allocate", "constraint_violation", "decompose",
+        "energy_share", "grasp_matrix", "induced_torque", "load_share", "object_wrench",
+        "synthesize",
+    ),
+}  # fmt: skip
+
+WORDS: dict[str, tuple[str, ...]] = {  # registry -> what users pass as text
+    "coopenv.BLOCKS": (
+        "body", "goal", "known", "load_share", "obstacles", "own_internal", "own_wrench",
+        "partner_internal", "partner_obstacles", "partner_wrench", "relative_cost", "time", "twist",
+    ),
+    "coopenv.agents.partners.PARTNERS": (
+        "follower", "impedance", "lagging", "leader", "load_sharing", "noisy", "population",
+        "stubborn", "switching",
+    ),
+    "coopenv.rewards.PRESETS": ("balanced", "harmony", "sparse", "task", "tracking"),
+    "coopenv.wrench.METHODS": (
+        "max_internal", "moore_penrose", "net_force", "nonsqueezing", "one_dimensional", "optimal",
+        "parametrized", "point_mass", "prioritized_torque", "virtual_linkage",
+    ),
+    "coopenv.wrench.SOLVERS": ("conic", "pair", "structured"),
+}  # fmt: skip
+
+IDS = ("BeamDoorway", "BeamTracking", "BeamTransport", "WalkerAvoid", "WalkerTurn")
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), [(module, name) for module, names in NAMES.items() for name in names]
+)
+def test_a_public_name_imports_from_where_users_had_it(module, name):
+    assert hasattr(import_module(module), name)
+
+
+@pytest.mark.parametrize(
+    ("registry", "word"), [(registry, word) for registry, words in WORDS.items() for word in words]
+)
+def test_a_word_that_users_pass_is_still_known(registry, word):
+    module, _, name = registry.rpartition(".")
+    assert word in getattr(import_module(module), name)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_an_id_is_still_registered(name):
+    assert f"coopenv/{name}-v0" in gymnasium.registry
