@@ -1,4 +1,4 @@
-"""Every row decomposed: a table of wrenches and measures."""
+"""Analysis of a recording: every row decomposed, as a table of wrenches and measures."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
-from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
+from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names, wrench_names
 from coopenv.logs.formats.chunks import Column
 from coopenv.logs.recording import Recording
 from coopenv.wrench import Decomposer, Decomposition, Settings
@@ -104,16 +104,6 @@ def analyse(recording: Recording, settings: Settings | None = None) -> Analysis:
     )
 
 
-def component_names(num_effectors: int, dimension: int) -> list[str]:
-    """Names of a wrench's components, effector by effector: f1x, f1y, t1z, f2x and so on."""
-    return [
-        f"{kind}{i + 1}{axis}"
-        for i in range(num_effectors)
-        for kind, axes in (("f", AXES[dimension]), ("t", TORQUES[dimension]))
-        for axis in axes
-    ]
-
-
 def _recorded(recording: Recording) -> dict[str, Column]:
     """What was recorded, under the documented names; what is carried first."""
     dimension = recording.grips.shape[-1]
@@ -133,7 +123,7 @@ def _recorded(recording: Recording) -> dict[str, Column]:
         if values is not None:
             columns.update({name: values[:, j] for j, name in enumerate(names)})
     grips = np.broadcast_to(recording.grips, (rows, count, dimension)).reshape(rows, -1)
-    names = [f"r{i + 1}{axis}" for i in range(count) for axis in AXES[dimension]]
+    names = [name for group in effector_names("r", count, dimension) for name in group]
     columns.update(zip(names, grips.T, strict=True))
     return columns | _wrench("", recording.applied)
 
@@ -164,7 +154,7 @@ def _results(split: Decomposition, twist: FloatArray | None) -> dict[str, Column
 def _wrench(prefix: str, wrench: FloatArray) -> dict[str, Column]:
     """One column a component of wrenches ``(T, n, 3 or 6)``."""
     rows, count, size = wrench.shape
-    names = component_names(count, 2 if size == 3 else 3)
+    names = wrench_names(count, 2 if size == 3 else 3)
     flat = wrench.reshape(rows, count * size)
     return {f"{prefix}{name}": flat[:, j] for j, name in enumerate(names)}
 

@@ -1,19 +1,21 @@
-"""From the file's frames to the object's."""
+"""Conversion of recorded quantities to SI units and the object frame, y up."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import BoolArray, FloatArray
+from coopenv.logs.columns import ORIENTATION, POSITION, TORQUES, TWIST
+from coopenv.logs.formats.chunks import Chunk
 from coopenv.logs.layout import Layout
-
-TURNED_OVER = np.array([1.0, -1.0])  # of a planar vector, y the other way up
+from coopenv.logs.plan import Plan
 
 
 @dataclass(slots=True, kw_only=True)
 class Measured:
-    """Quantities in SI units, still in the frames of the file; the methods change them."""
+    """Quantities in SI units; the methods turn them from the frames of the file to the object's."""
 
     force: FloatArray  # (T, n, d)
     torque: FloatArray  # (T, n, 1 or 3)
@@ -22,20 +24,37 @@ class Measured:
     orientation: FloatArray | None  # (T,), in space (T, 4) quaternion w, x, y, z
     twist: FloatArray | None  # (T, 3 or 6)
 
+    @classmethod
+    def of(cls, chunk: Chunk, plan: Plan, forces_only: bool) -> "Measured":
+        """The rows of a chunk, still in the frames of the file."""
+        dimension = plan.dimension
+        without_torque = (chunk.rows, plan.num_effectors, len(TORQUES[dimension]))
+        orientation = _stacked(chunk, plan, ORIENTATION[dimension])
+        if orientation is not None and dimension == 2:
+            orientation = orientation[:, 0]
+        return cls(
+            force=_of_effectors(chunk, plan, "f"),
+            torque=np.zeros(without_torque) if forces_only else _of_effectors(chunk, plan, "t"),
+            grips=_of_effectors(chunk, plan, "r") if plan.grips_vary else None,
+            position=_stacked(chunk, plan, POSITION[dimension]),
+            orientation=orientation,
+            twist=_stacked(chunk, plan, TWIST[dimension]),
+        )
+
     def turn_over(self) -> None:
         """From y down and angles clockwise to y up and angles counter-clockwise; planar."""
-        self.force, self.torque = self.force * TURNED_OVER, -self.torque
+        self.force, self.torque = turned_over(self.force), -self.torque
         if self.grips is not None:
-            self.grips = self.grips * TURNED_OVER
+            self.grips = turned_over(self.grips)
         if self.position is not None:
-            self.position = self.position * TURNED_OVER
+            self.position = turned_over(self.position)
         if self.orientation is not None:
             self.orientation = -self.orientation
         if self.twist is not None:
             self.twist = self.twist * np.array([1.0, -1.0, -1.0])
 
     def turn_to_object(self, layout: Layout, good: BoolArray) -> None:
-        """From the world frame to the object's whatever is not there yet."""
+        """From the world frame to the object's whatever the layout says is in the world frame."""
         if self.orientation is None:
             return  # nothing is in the world frame, or it would have been asked for
         rotation = rotations(self.orientation, good)
@@ -51,6 +70,16 @@ class Measured:
             self.twist = np.concatenate(parts, axis=-1)
         if layout.grip_frame == "world" and self.grips is not None and self.position is not None:
             self.grips = to_object(self.grips - self.position[:, None], rotation)
+
+
+def in_si(chunk: Chunk, plan: Plan, name: str) -> FloatArray:
+    """A documented column ``(T,)`` in SI units, with the sign that the layout gives it."""
+    return chunk.numbers[plan.source[name]] * plan.factor[name]
+
+
+def turned_over(vectors: FloatArray) -> FloatArray:
+    """Planar vectors ``(…, 2)`` with y the other way up."""
+    return vectors * np.array([1.0, -1.0])
 
 
 def rotations(orientation: FloatArray, good: BoolArray) -> FloatArray:
@@ -73,3 +102,18 @@ def to_object(vectors: FloatArray, rotation: FloatArray) -> FloatArray:
     if vectors.ndim == 2:
         return np.einsum("tji,tj->ti", rotation, vectors)
     return np.einsum("tji,tnj->tni", rotation, vectors)
+
+
+def _stacked(chunk: Chunk, plan: Plan, names: Sequence[str]) -> FloatArray | None:
+    """``(T, names)``, if the file has these columns."""
+    if not plan.has(names):
+        return None
+    return np.stack([in_si(chunk, plan, name) for name in names], axis=-1)
+
+
+def _of_effectors(chunk: Chunk, plan: Plan, kind: str) -> FloatArray:
+    """``(T, n, axes)`` of the columns of ``kind`` f, t or r."""
+    groups = plan.effector_names(kind)
+    return np.stack(
+        [np.stack([in_si(chunk, plan, name) for name in group], -1) for group in groups], 1
+    )

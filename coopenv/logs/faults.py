@@ -1,4 +1,4 @@
-"""Rows that cannot be used: found, named, or counted and passed over."""
+"""Validation of recorded rows: bad ones are named, or counted and passed over."""
 
 from collections.abc import Callable
 
@@ -6,8 +6,9 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.logs.columns import ORIENTATION, Plan
+from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.formats.chunks import Chunk
+from coopenv.logs.plan import Plan
 
 BAD_ROWS = ("error", "skip")
 QUATERNION_TOLERANCE = 0.01  # of its length
@@ -86,12 +87,11 @@ class Faults:
             yield fields != 0, describe
 
     def _not_finite(self, chunk: Chunk, *_: object):
-        whole = np.True_ if chunk.fields is None else chunk.fields == 0
         for name in self._required():
             column = self._plan.source[name]
             called = f"column {column!r}" + (f" ({name})" if name != column else "")
             yield (
-                whole & ~np.isfinite(chunk.numbers[column]),
+                chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (
                     f", {called} must be a finite number, got {chunk.text(row, column)!r}"
                 ),

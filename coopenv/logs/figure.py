@@ -1,4 +1,4 @@
-"""The time series of an analysis as a picture."""
+"""Picture of the time series of an analysis, drawn with matplotlib."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,7 +8,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.analysis import Analysis
-from coopenv.logs.columns import AXES, TORQUES
+from coopenv.logs.columns import effector_names
 from coopenv.logs.envelope import Envelope
 from coopenv.logs.recording import Recording
 
@@ -93,15 +93,15 @@ class Picture:
 
 
 def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
-    """What is drawn: forces on the left, torques on the right."""
+    """All panels: forces on the left, torques on the right."""
     made = []
     for prefix, name in (
         ("", "applied"),
         ("manipulation_", "manipulation"),
         ("internal_", "internal"),
     ):
-        for kind, axes, unit in (("f", AXES, "force [N]"), ("t", TORQUES, "torque [N·m]")):
-            curves = _wrench_curves(prefix, kind, num_effectors, axes[dimension])
+        for kind, unit in (("f", "force [N]"), ("t", "torque [N·m]")):
+            curves = _wrench_curves(prefix, kind, num_effectors, dimension)
             made.append(Panel(f"{name}\n{unit}", curves))
     made.append(Panel("F_I [N]", [Curve("", ("internal_force_level",), "C3")]))
     made.append(Panel("T_I [N·m]", [Curve("", ("internal_torque_level",), "C3")]))
@@ -116,21 +116,18 @@ def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
     return made
 
 
-def _wrench_curves(
-    prefix: str, kind: str, num_effectors: int, axes: tuple[str, ...]
-) -> list[Curve]:
+def _wrench_curves(prefix: str, kind: str, num_effectors: int, dimension: int) -> list[Curve]:
     """Components, or norms where there would be too many of them."""
-    if num_effectors * len(axes) > COMPONENTS:
+    groups = effector_names(kind, num_effectors, dimension)
+    if sum(map(len, groups)) > COMPONENTS:
         return [
-            Curve(
-                f"‖{kind}{i + 1}‖", tuple(f"{prefix}{kind}{i + 1}{a}" for a in axes), f"C{i % 10}"
-            )
-            for i in range(num_effectors)
+            Curve(f"‖{kind}{i + 1}‖", tuple(prefix + name for name in group), f"C{i % 10}")
+            for i, group in enumerate(groups)
         ]
     return [
-        Curve(f"{kind}{i + 1}{axis}", (f"{prefix}{kind}{i + 1}{axis}",), f"C{i}", STYLES[j])
-        for i in range(num_effectors)
-        for j, axis in enumerate(axes)
+        Curve(name, (prefix + name,), f"C{i}", STYLES[j])
+        for i, group in enumerate(groups)
+        for j, name in enumerate(group)
     ]
 
 

@@ -1,4 +1,4 @@
-"""How a file says what it says: names of columns, frames, units, where the effectors hold."""
+"""Layout of a recorded file: names of columns, frames, units, and where the effectors hold."""
 
 import json
 import os
@@ -13,6 +13,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.logs.columns import is_documented
 
 UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
@@ -78,8 +79,6 @@ class Layout:
     torque: str = "N*m"
 
     def __post_init__(self):
-        from coopenv.logs.columns import is_documented
-
         if self.twist_frame is None:
             object.__setattr__(self, "twist_frame", self.frame)
         for name, known in CHOICES.items():
@@ -108,7 +107,7 @@ class Layout:
         return UNITS[quantity][getattr(self, quantity)]
 
     def grips_of(self, num_effectors: int) -> FloatArray | None:
-        """The grips ``(n, 2)`` or ``(n, 3)`` [m] of that many effectors, y up."""
+        """The grips ``(n, 2)`` or ``(n, 3)`` [m] of that many effectors, y as in the file."""
         if self.grips is None:
             return None
         grips = np.array(self.grips)
@@ -117,10 +116,7 @@ class Layout:
                 f"grips must be 2 or 3 numbers for each of {num_effectors} effectors, got "
                 f"{grips.size} numbers; the columns f1x, f2x … say how many effectors there are"
             )
-        grips = grips.reshape(num_effectors, -1) * self.factor("length")
-        if self.y == "down":
-            grips[:, 1] *= -1
-        return grips
+        return grips.reshape(num_effectors, -1) * self.factor("length")
 
     @classmethod
     def load(cls, path: str | os.PathLike | None = None, **said: Any) -> "Layout":

@@ -1,4 +1,4 @@
-"""A recorded trial, or many of them: SI units, object frame, y up."""
+"""Recordings of trials and their reader: SI units, object frame, y up."""
 
 import os
 from collections.abc import Iterator
@@ -9,11 +9,12 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
-from coopenv.logs import columns
-from coopenv.logs.convert import Measured
+from coopenv.logs.convert import Measured, in_si, turned_over
 from coopenv.logs.faults import Faults
-from coopenv.logs.formats.chunks import Chunk, Column, open_source
+from coopenv.logs.formats import open_source
+from coopenv.logs.formats.chunks import Chunk, Column
 from coopenv.logs.layout import Layout
+from coopenv.logs.plan import make_plan
 from coopenv.logs.trials import Trials
 
 
@@ -121,10 +122,9 @@ class Reader:
         self.path = os.fspath(path)
         self.layout = layout if layout is not None else Layout()
         self._source = open_source(path, self.layout.decimal)
-        self.plan = columns.plan(
-            self.path, self._source.columns, self.layout, self._source.grips is not None
-        )
-        self.faults = Faults(self.path, self._source.columns, self.plan, bad_rows)
+        columns, grips_in_file = self._source.columns, self._source.grips is not None
+        self.plan = make_plan(self.path, columns, self.layout, grips_in_file=grips_in_file)
+        self.faults = Faults(self.path, columns, self.plan, bad_rows)
         self.left_out = [*self._source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
@@ -136,10 +136,7 @@ class Reader:
         rows = 0
         for chunk in self._source.chunks(list(plan.source.values()), plan.carried):
             time = chunk.numbers[time_column] if time_column else np.full(chunk.rows, np.nan)
-            readable = (
-                chunk.fields == 0 if chunk.fields is not None else np.ones(chunk.rows, np.bool_)
-            )
-            trial, starts, previous = trials.of(chunk.carried, time, readable)
+            trial, starts, previous = trials.of(chunk.carried, time, chunk.whole)
             good = self.faults.good_rows(chunk, starts, previous)
             self.progress, rows = chunk.progress, rows + chunk.rows
             yield self._converted(chunk, trial, good)
@@ -161,7 +158,14 @@ class Reader:
         """Grips that were said once [m]."""
         in_file, plan = self._source.grips, self.plan
         if in_file is None:
-            return self.layout.grips_of(plan.num_effectors)
+            grips = self.layout.grips_of(plan.num_effectors)
+        else:
+            grips = self._checked_grips(in_file)
+        return turned_over(grips) if grips is not None and self.layout.y == "down" else grips
+
+    def _checked_grips(self, in_file: FloatArray) -> FloatArray:
+        """Grips that the file holds [m]."""
+        plan = self.plan
         try:
             layout = replace(self.layout, grips=tuple(in_file.ravel().tolist()), space="auto")
             grips = layout.grips_of(plan.num_effectors)
@@ -179,11 +183,12 @@ class Reader:
 
     def _converted(self, chunk: Chunk, trial: IntArray, good: BoolArray) -> Recording:
         """The rows in SI units, object frame, y up."""
-        measured = self._measured(chunk)
-        if self.layout.y == "down":
+        plan, layout = self.plan, self.layout
+        measured = Measured.of(chunk, plan, layout.forces_only)
+        if layout.y == "down":
             measured.turn_over()
-        if "world" in (self.layout.frame, self.layout.twist_frame, self.layout.grip_frame):
-            measured.turn_to_object(self.layout, good)
+        if "world" in (layout.frame, layout.twist_frame, layout.grip_frame):
+            measured.turn_to_object(layout, good)
         applied = np.concatenate([measured.force, measured.torque], axis=-1)
         for array in (applied, measured.twist, measured.grips):
             if array is not None:
@@ -191,7 +196,7 @@ class Reader:
         grips = measured.grips if measured.grips is not None else self._grips
         assert grips is not None
         return Recording(
-            time=self._numbers(chunk, "time") if self.plan.has(["time"]) else None,
+            time=in_si(chunk, plan, "time") if plan.has(["time"]) else None,
             applied=applied,
             grips=grips,
             position=measured.position,
@@ -201,37 +206,6 @@ class Reader:
             trial=trial,
             good=good,
         )
-
-    def _measured(self, chunk: Chunk) -> Measured:
-        """The rows in SI units, as the file has them otherwise."""
-        plan = self.plan
-        torques = (chunk.rows, plan.num_effectors, len(columns.TORQUES[plan.dimension]))
-        orientation = self._optional(chunk, columns.ORIENTATION[plan.dimension])
-        return Measured(
-            force=self._stack(chunk, "f"),
-            torque=np.zeros(torques) if self.layout.forces_only else self._stack(chunk, "t"),
-            grips=self._stack(chunk, "r") if plan.grips_vary else None,
-            position=self._optional(chunk, columns.POSITION[plan.dimension]),
-            orientation=orientation
-            if orientation is None or plan.dimension == 3
-            else orientation[:, 0],
-            twist=self._optional(chunk, columns.TWIST[plan.dimension]),
-        )
-
-    def _optional(self, chunk: Chunk, names: tuple[str, ...]) -> FloatArray | None:
-        if not self.plan.has(names):
-            return None
-        return np.stack([self._numbers(chunk, name) for name in names], axis=-1)
-
-    def _stack(self, chunk: Chunk, kind: str) -> FloatArray:
-        """``(T, n, axes)`` of the effectors' columns."""
-        names = self.plan.effector_names(kind)
-        return np.stack(
-            [np.stack([self._numbers(chunk, name) for name in group], -1) for group in names], 1
-        )
-
-    def _numbers(self, chunk: Chunk, name: str) -> FloatArray:
-        return chunk.numbers[self.plan.source[name]] * self.plan.factor[name]
 
 
 def _as_numbers(column: Column) -> Column:

@@ -1,4 +1,4 @@
-"""From a file to a table, a picture and a summary, some thousand rows at a time."""
+"""Decomposition of a recorded file to a table, a picture and a summary, chunk by chunk."""
 
 import os
 from collections.abc import Callable
@@ -9,8 +9,8 @@ from coopenv.errors import InvalidInput
 from coopenv.files import written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.figure import Picture
-from coopenv.logs.formats.chunks import suffix_of
-from coopenv.logs.formats.sink import Sink, open_sink
+from coopenv.logs.formats import find_format, open_sink
+from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
 from coopenv.logs.recording import Reader
 from coopenv.logs.summary import Collector, Summary
@@ -65,7 +65,7 @@ def decompose_file(
     with ExitStack() as stack:
         part = stack.enter_context(written(table))
         image_part = None if image is None else stack.enter_context(written(image))
-        sink = open_sink(suffix_of(table), part)
+        sink = open_sink(part)
         try:
             collector = _fill(sink, reader, settings, drawing, report)
             sink.close()
@@ -110,9 +110,10 @@ def _fill(
 
 def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
     """Where the input is and the table goes."""
-    suffix = path.suffix if suffix_of(path) != ".csv" else ".csv"
+    known = find_format(path).suffixes
+    suffix = path.suffix if len(known) == 1 else known[0]  # a table is CSV, whatever text was read
     table = path.with_name(f"{path.stem}.decomposed{suffix}") if out is None else out
-    suffix_of(table)
+    find_format(table)
     if table.exists() and path.exists() and table.samefile(path):
         raise InvalidInput(f"out must not be the input, got {str(table)!r}; choose another name")
     for each in (table, table.with_suffix(".png")):

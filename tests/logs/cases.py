@@ -1,11 +1,15 @@
 """Recorded trials for tests, and files of them."""
 
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from coopenv.arrays import FloatArray
+from coopenv.logs import formats
 
 BEAM = (-0.9, 0.0, 0.9, 0.0)
 
@@ -51,30 +55,63 @@ def wrench(columns: dict[str, FloatArray], prefix: str = "") -> FloatArray:
     return np.stack(found, axis=1)
 
 
-def save(columns: dict, path: Path) -> Path:
-    """Columns as a file of the format its name asks for."""
-    if path.suffix == ".npz":
-        np.savez(path, **columns)
-    elif path.suffix == ".parquet":
-        import pandas as pd
-
-        pd.DataFrame(columns).to_parquet(path)
-    else:
-        lines = [",".join(columns)]
-        lines += [",".join(map(_text, row)) for row in zip(*columns.values(), strict=True)]
-        path.write_text("\n".join(lines) + "\n")
-    return path
+def _save_text(columns: dict, path: Path) -> None:
+    lines = [",".join(columns)]
+    lines += [",".join(map(_text, row)) for row in zip(*columns.values(), strict=True)]
+    path.write_text("\n".join(lines) + "\n")
 
 
 def _text(value: object) -> str:
     return repr(float(value)) if isinstance(value, float | np.floating) else str(value)
 
 
-def load(path: Path) -> dict:
-    """Columns of a table as `coopenv.logs` writes it."""
-    if path.suffix == ".npz":
-        return dict(np.load(path))
+def _save_npz(columns: dict, path: Path) -> None:
+    np.savez(path, **columns)
+
+
+def _save_parquet(columns: dict, path: Path) -> None:
     import pandas as pd
 
-    frame = pd.read_parquet(path) if path.suffix == ".parquet" else pd.read_csv(path)
-    return {name: frame[name].to_numpy() for name in frame}
+    pd.DataFrame(columns).to_parquet(path)
+
+
+def _load_text(path: Path) -> Any:
+    import pandas as pd
+
+    return pd.read_csv(path)
+
+
+def _load_parquet(path: Path) -> Any:
+    import pandas as pd
+
+    return pd.read_parquet(path)
+
+
+# how to write and to read each format without the code under test
+WAYS: dict[str, tuple[Callable[[dict, Path], None], Callable[[Path], Any]]] = {
+    ".csv": (_save_text, _load_text),
+    ".npz": (_save_npz, np.load),
+    ".parquet": (_save_parquet, _load_parquet),
+}
+FORMATS = tuple(WAYS)
+
+
+def save(columns: dict, path: Path) -> Path:
+    """Columns as a file of the format its name asks for."""
+    WAYS[path.suffix][0](columns, path)
+    return path
+
+
+def load(path: Path) -> dict:
+    """Columns of a table as `coopenv.logs` writes it."""
+    table = WAYS[path.suffix][1](path)
+    return {name: np.asarray(table[name]) for name in table}
+
+
+def set_chunk(rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have every format read that many rows at a time, of text about as many."""
+    for known in formats.FORMATS:
+        module = import_module(known.source.__module__)
+        for name, size in (("CHUNK_ROWS", rows), ("BLOCK", 150 * rows)):
+            if hasattr(module, name):
+                monkeypatch.setattr(module, name, size)

@@ -10,7 +10,6 @@ from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs import Layout, analyse, decompose_file, read
 from tests.logs import cases
 
-FORMATS = (".csv", ".npz", ".parquet")
 BEAM = Layout(grips=cases.BEAM)
 
 
@@ -20,8 +19,8 @@ def _extra():
     pytest.importorskip("pandas")
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
-@pytest.mark.parametrize("out", FORMATS)
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+@pytest.mark.parametrize("out", cases.FORMATS)
 def test_every_format_holds_what_decompose_says(suffix, out, tmp_path):
     columns = cases.planar() | {
         "trial": np.repeat([1, 2], 20),
@@ -58,7 +57,7 @@ def test_every_format_holds_what_decompose_says(suffix, out, tmp_path):
     assert summary.duration == pytest.approx(0.38)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", cases.FORMATS)
 def test_the_table_is_a_recording_itself(suffix, tmp_path):
     path = cases.save(cases.planar(), tmp_path / f"trial{suffix}")
     first = decompose_file(path, layout=BEAM, picture=False)
@@ -69,7 +68,7 @@ def test_the_table_is_a_recording_itself(suffix, tmp_path):
         np.testing.assert_array_equal(one[name], other[name], err_msg=name)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", cases.FORMATS)
 def test_the_table_needs_no_option_whatever_was_left_out(suffix, tmp_path):
     columns = cases.planar() | {name: np.ones(40) for name in ("f1z", "t1x", "f0", "t2y", "r1x")}
     columns["Fx"] = columns.pop("f2x")
@@ -213,7 +212,7 @@ def test_a_folder_of_the_name_leaves_neither_table_nor_picture(tmp_path):
 
 
 @pytest.mark.parametrize("missing", [2, 33])
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", cases.FORMATS)
 def test_integers_of_which_some_are_missing_are_carried(suffix, missing, tmp_path, monkeypatch):
     pandas = pytest.importorskip("pandas")
     monkeypatch.setattr("coopenv.logs.formats.parquet.CHUNK_ROWS", 10)
@@ -229,15 +228,13 @@ def test_integers_of_which_some_are_missing_are_carried(suffix, missing, tmp_pat
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 1000])
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", cases.FORMATS)
 def test_the_size_of_the_chunks_changes_nothing(suffix, chunk, tmp_path, monkeypatch):
     columns = cases.planar() | {"trial": np.repeat([1, 2, 2, 3], 10)}
     columns["time"] = np.concatenate([np.arange(length) * 0.1 for length in (10, 20, 10)])
     path = cases.save(columns, tmp_path / f"a{suffix}")
     whole = decompose_file(path, tmp_path / "whole.npz", layout=BEAM, picture=False)
-    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 150 * chunk)
-    for module in ("npz", "parquet"):
-        monkeypatch.setattr(f"coopenv.logs.formats.{module}.CHUNK_ROWS", chunk)
+    cases.set_chunk(chunk, monkeypatch)
     parts = decompose_file(path, tmp_path / "parts.npz", layout=BEAM, picture=False)
     one, other = cases.load(whole.table), cases.load(parts.table)
     for name in one:
@@ -284,7 +281,7 @@ def test_rows_that_are_passed_over_are_nan_and_counted(tmp_path):
     columns = cases.planar(10)
     columns["f1x"][3] = np.inf
     columns["time"][6] = columns["time"][5]
-    for suffix in FORMATS:
+    for suffix in cases.FORMATS:
         path = cases.save(columns, tmp_path / f"a{suffix}")
         summary = decompose_file(path, layout=BEAM, bad_rows="skip", picture=False)
         table = cases.load(summary.table)

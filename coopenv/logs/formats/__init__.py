@@ -1,1 +1,78 @@
-"""File formats of recordings, each with its reader and its writer."""
+"""File formats of recordings, and the registry that opens a file by the suffix of its name.
+
+A format is one file of this folder with a `Source`, which reads, and a `Sink`, which writes, and
+one line in `FORMATS`.
+"""
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+from coopenv.errors import InvalidInput
+from coopenv.logs.formats.chunks import Sink, Source
+from coopenv.logs.formats.npz import NpzSink, NpzSource
+from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
+from coopenv.logs.formats.text import TextSink, TextSource
+
+
+class Format(NamedTuple):
+    """A file format."""
+
+    suffixes: tuple[str, ...]
+    source: type[Source]
+    sink: type[Sink]
+
+
+FORMATS = (
+    Format((".csv", ".tsv", ".txt"), TextSource, TextSink),
+    Format((".npz",), NpzSource, NpzSink),
+    Format((".parquet",), ParquetSource, ParquetSink),
+)
+
+
+def open_source(path: str | os.PathLike, decimal: str = ".") -> Source:
+    """Open a file for reading.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such file, or its suffix or content is not understood.
+    MissingExtra
+        If reading it needs the extra ``analysis``.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InvalidInput(f"file must exist, got {str(path)!r}; check its name")
+    return find_format(path).source(path, decimal)
+
+
+def open_sink(path: str | os.PathLike) -> Sink:
+    """Open a file for writing a table.
+
+    Raises
+    ------
+    InvalidInput
+        If no format has its suffix.
+    MissingExtra
+        If writing it needs the extra ``analysis``.
+    """
+    path = Path(path)
+    return find_format(path).sink(path)
+
+
+def find_format(path: Path) -> Format:
+    """The format of which the file has the suffix, in capitals or not.
+
+    Raises
+    ------
+    InvalidInput
+        If no format has it.
+    """
+    suffix = path.suffix.lower()
+    for known in FORMATS:
+        if suffix in known.suffixes:
+            return known
+    suffixes = [suffix for known in FORMATS for suffix in known.suffixes]
+    raise InvalidInput(
+        f"file must end in one of {', '.join(suffixes)}, got {path.name!r}; convert or rename it"
+    )

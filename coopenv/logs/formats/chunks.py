@@ -1,18 +1,17 @@
-"""Files as a sequence of chunks of columns, whatever their format."""
+"""Types that every file format shares: chunks of columns, their source and their sink."""
 
-import os
-from collections.abc import Callable, Iterator, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import FloatArray, IntArray
-from coopenv.errors import InvalidInput
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 
 CHUNK_ROWS = 16_384
-SUFFIXES = (".csv", ".tsv", ".txt", ".npz", ".parquet")
 Column = npt.NDArray[Any]
 
 
@@ -25,66 +24,90 @@ class Chunk:
     rows: int
     first_row: int  # its number in the file, from 1, the header not counted
     progress: float  # share of the file that has been read, in [0, 1]
-    place: Callable[[int], str]  # how to call a row of the chunk: "line 17"
-    text: Callable[[int, str], str]  # what is written in a row and column
-    fields: IntArray | None = None  # (T,) number of fields where it is wrong, else 0; CSV only
+    fields: IntArray | None = None  # (T,) number of fields where it is wrong, else 0; text only
+
+    @property
+    def whole(self) -> BoolArray:
+        """Which rows ``(T,)`` have as many fields as the header."""
+        return np.ones(self.rows, np.bool_) if self.fields is None else self.fields == 0
+
+    def place(self, row: int) -> str:
+        """Name of a row of the chunk in messages, such as "row 17"."""
+        return f"row {self.first_row + row}"
+
+    def text(self, row: int, column: str) -> str:
+        """Content of the file in a row of the chunk and a column of numbers."""
+        return str(self.numbers[column][row])
 
 
-class Source(Protocol):
-    """A file that is open for reading."""
+class Source(ABC):
+    """Reader of a file of one format.
 
-    columns: list[str]
-    grips: FloatArray | None  # (n, 2 or 3) if the file says them once, in its own unit
-    left_out: list[str]  # what the file holds beside columns
-
-    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
-        """Read the columns that are numbers and those that are only carried."""
-        ...
-
-
-def open_source(path: str | os.PathLike, decimal: str = ".") -> Source:
-    """The file's reader, chosen by its suffix.
+    Parameters
+    ----------
+    path
+        Of a file that exists.
+    decimal
+        What separates decimals, for formats that hold numbers as text.
 
     Raises
     ------
     InvalidInput
-        If there is no such file, or its suffix or content is not understood.
+        If the file is not of the format.
     MissingExtra
         If reading it needs the extra ``analysis``.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise InvalidInput(f"file must exist, got {str(path)!r}; check its name")
-    kind = suffix_of(path)
-    if kind == ".npz":
-        from coopenv.logs.formats.npz import NpzSource
 
-        return NpzSource(path)
-    if kind == ".parquet":
-        from coopenv.logs.formats.parquet import ParquetSource
+    columns: list[str]
+    left_out: Sequence[str] = ()  # what the file holds beside columns
+    grips: FloatArray | None = None  # (n, 2 or 3) if the file has them once, in its own unit
 
-        return ParquetSource(path)
-    from coopenv.logs.formats.text import CsvSource
+    @abstractmethod
+    def __init__(self, path: Path, decimal: str): ...
 
-    return CsvSource(path, decimal)
+    @abstractmethod
+    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
+        """Read these columns, in the order of the file, some thousand rows at a time.
 
+        Parameters
+        ----------
+        numbers
+            Columns to be read as numbers.
+        carried
+            Columns that keep the type they have in the file.
 
-def suffix_of(path: Path) -> str:
-    """The format a name asks for."""
-    kind = path.suffix.lower()
-    if kind not in SUFFIXES:
-        raise InvalidInput(
-            f"file must end in one of {', '.join(SUFFIXES)}, got {path.name!r}; convert or rename "
-            "it"
-        )
-    return ".csv" if kind in (".tsv", ".txt") else kind
+        Raises
+        ------
+        InvalidInput
+            If the file is damaged, or a column of ``numbers`` holds something else throughout.
+        """
 
 
-def row_number(first_row: int) -> Callable[[int], str]:
-    """Calls rows of files without lines by their number."""
-    return lambda row: f"row {first_row + row}"
+class Sink(ABC):
+    """Writer of a table in one format, some rows at a time, always the same columns.
 
+    Parameters
+    ----------
+    path
+        Of the file to be written.
 
-def value_of(numbers: dict[str, FloatArray]) -> Callable[[int, str], str]:
-    """Tells what is in a row and column of files that hold numbers."""
-    return lambda row, column: str(numbers[column][row])
+    Raises
+    ------
+    MissingExtra
+        If writing it needs the extra ``analysis``.
+    """
+
+    @abstractmethod
+    def __init__(self, path: Path): ...
+
+    @abstractmethod
+    def write(self, columns: Mapping[str, Column]) -> None:
+        """Append rows; each column is ``(T,)``."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Finish the file."""
+
+    @abstractmethod
+    def abandon(self) -> None:
+        """Release the file, which is not wanted any more; it may be half written."""

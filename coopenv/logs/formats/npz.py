@@ -1,8 +1,13 @@
-"""NPZ: one array a column, or one a quantity; read piece by piece, without any extra."""
+"""NPZ archives, one array a column or one a quantity: reading and writing them piece by piece.
 
+NumPy alone does it; no extra is needed.
+"""
+
+import shutil
+import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Any
@@ -12,14 +17,14 @@ import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
-from coopenv.logs.columns import AXES, ORIENTATION, POSITION, TORQUES, TWIST
-from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, row_number, value_of
+from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, Sink, Source
 
 BLOCKS = ("force", "torque", "grips", "pose", "twist")
 POSE = {3: (*POSITION[2], *ORIENTATION[2]), 7: (*POSITION[3], *ORIENTATION[3])}
 
 
-class NpzSource:
+class NpzSource(Source):
     """Arrays ``(T,)`` under the names of columns, or arrays of several columns.
 
     ``force (T, n, 2 or 3)``, ``torque (T, n)`` or ``(T, n, 3)``, ``grips (n, 2 or 3)`` or
@@ -27,7 +32,7 @@ class NpzSource:
     of the documented names.
     """
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, decimal: str):
         self._path = path
         try:
             with zipfile.ZipFile(path) as archive:
@@ -66,15 +71,12 @@ class NpzSource:
                     name: read[self._columns[name][0]][(slice(None), *self._columns[name][1])]
                     for name in (*numbers, *carried)
                 }
-                values = {name: pick[name].astype(np.float64) for name in numbers}
                 yield Chunk(
-                    numbers=values,
+                    numbers={name: pick[name].astype(np.float64) for name in numbers},
                     carried={name: pick[name] for name in carried},
                     rows=rows,
                     first_row=first + 1,
                     progress=(first + rows) / self._rows,
-                    place=row_number(first + 1),
-                    text=value_of(values),
                 )
 
     def _read(self, files: dict[str, "_Rows"], rows: int) -> dict[str, npt.NDArray[Any]]:
@@ -137,19 +139,63 @@ class NpzSource:
             self._columns[column] = (name, index)
 
 
+class NpzSink(Sink):
+    """One array a column; numbers wait in temporary files, as an archive takes whole arrays."""
+
+    def __init__(self, path: Path):
+        self._path = path
+        self._files: dict[str, IO[bytes]] = {}
+        self._others: dict[str, list[Column]] = {}
+        self._rows = 0
+
+    def write(self, columns: Mapping[str, Column]) -> None:
+        """Append rows."""
+        for name, values in columns.items():
+            known = name in self._files
+            if not known and (name in self._others or values.dtype != np.float64):
+                self._others.setdefault(name, []).append(values)
+                continue
+            # integers are read as float64 wherever some are missing, which may be the first rows
+            values = values.astype(np.float64, copy=False)
+            if not known:
+                self._files[name] = tempfile.TemporaryFile(dir=self._path.parent)  # noqa: SIM115
+            self._files[name].write(np.ascontiguousarray(values).data)
+        self._rows += len(next(iter(columns.values())))
+
+    def close(self) -> None:
+        """Put the archive together."""
+        form = {"descr": "<f8", "fortran_order": False, "shape": (self._rows,)}
+        with zipfile.ZipFile(self._path, "w") as archive:
+            for name, file in self._files.items():
+                with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
+                    np.lib.format.write_array_header_1_0(entry, form)
+                    file.seek(0)
+                    shutil.copyfileobj(file, entry, 1 << 20)
+                file.close()
+            for name, parts in self._others.items():
+                with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
+                    values = _plain(np.concatenate(parts))
+                    np.lib.format.write_array(entry, values, allow_pickle=False)
+
+    def abandon(self) -> None:
+        """Release the temporary files."""
+        for file in self._files.values():
+            file.close()
+
+
 def _block_columns(name: str, shape: tuple[int, ...]) -> dict[str, tuple[int, ...]] | None:
-    """Documented columns of an array of that shape beyond its rows, and where they are."""
+    """Documented columns of an array of that shape beyond its rows, and where they are in it."""
     if name in ("pose", "twist"):
         known = POSE if name == "pose" else {len(names): names for names in TWIST.values()}
         names = known.get(shape[0]) if len(shape) == 1 else None
         return None if names is None else {each: (j,) for j, each in enumerate(names)}
-    if name == "torque" and len(shape) == 1:
-        return {f"t{i + 1}z": (i,) for i in range(shape[0])}
-    axes = (TORQUES if name == "torque" else AXES).get(shape[-1])
-    if len(shape) != 2 or axes is None or (name == "torque" and shape[-1] != 3):
-        return None
     kind = {"force": "f", "torque": "t", "grips": "r"}[name]
-    return {f"{kind}{i + 1}{axis}": (i, j) for i in range(shape[0]) for j, axis in enumerate(axes)}
+    if name == "torque" and len(shape) == 1:
+        return {each: (i,) for i, (each,) in enumerate(effector_names(kind, shape[0], 2))}
+    if len(shape) != 2 or shape[1] not in ((3,) if name == "torque" else (2, 3)):
+        return None
+    groups = effector_names(kind, *shape)
+    return {each: (i, j) for i, group in enumerate(groups) for j, each in enumerate(group)}
 
 
 class _Array:
@@ -202,3 +248,10 @@ def _header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0
     return (read if version[0] == 1 else np.lib.format.read_array_header_2_0)(file)
+
+
+def _plain(values: Column) -> Column:
+    """Text as an array that needs no pickle."""
+    if values.dtype != object:
+        return values
+    return np.array(["" if value is None else str(value) for value in values])

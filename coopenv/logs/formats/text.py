@@ -1,35 +1,40 @@
-"""CSV: split into lines here, so that every bad one has its number; parsed by pyarrow."""
+"""Text tables, CSV and TSV: reading them line by line, and writing CSV.
+
+A file is split into lines here, so that every bad one has its number; pyarrow parses the fields.
+"""
 
 import csv
-from collections.abc import Iterator, Sequence
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.logs.formats.chunks import Chunk, Column
+from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source
 
 BLOCK = 4 << 20  # [bytes] read at once
 SEPARATORS = (",", ";", "\t")
 LINE_FEED, RETURN = 10, 13
 
 
-class CsvSource:
+class TextSource(Source):
     """A text file with one header line.
 
     Comma, semicolon or tab separate its fields, whichever the header has most of. They may be
     quoted, but a quoted field must end on its line. Empty lines are passed over.
     """
 
-    def __init__(self, path: Path, decimal: str = "."):
+    def __init__(self, path: Path, decimal: str):
         try:
             import pyarrow.csv  # noqa: F401
         except ImportError as error:
             raise MissingExtra("reading CSV", "analysis") from error
-        self.grips: FloatArray | None = None
-        self.left_out: list[str] = []
         self._path, self._decimal = path, decimal
         with path.open("rb") as file:
             header = file.readline()
@@ -45,18 +50,45 @@ class CsvSource:
                 f"{path}: lines must end with a line feed, got carriage returns alone; save the "
                 "file with the line ends of Unix or Windows"
             )
-        self._separator = max(SEPARATORS, key=text.count)
-        if decimal == self._separator:
+        self.separator = max(SEPARATORS, key=text.count)
+        if decimal == self.separator:
             raise InvalidInput(
                 f"{path}: decimal must not be what separates the columns, got {decimal!r} for both;"
                 " separate them with semicolons"
             )
-        self.columns = [name.strip() for name in self._fields(text)]
+        self.columns = [name.strip() for name in self.split(text)]
 
     def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
         """Read block by block; what is carried stays text."""
+        row, line = 1, 2
+        for block, progress in self._blocks():
+            lines = _Lines(block, self)
+            if lines.rows:
+                table = self._parse(lines.good_bytes(), numbers, carried)
+                good = lines.good[lines.kept]
+                yield _TextChunk(
+                    numbers={
+                        name: _spread(_numbers(table[name], self._decimal), good, np.nan)
+                        for name in numbers
+                    },
+                    carried={name: _spread(table[name].to_numpy(), good, "") for name in carried},
+                    rows=lines.rows,
+                    first_row=row,
+                    progress=progress,
+                    fields=np.where(good, 0, lines.fields[lines.kept]),
+                    lines=lines,
+                    first_line=line,
+                )
+            row, line = row + lines.rows, line + len(lines.ends)
+
+    def split(self, line: str) -> list[str]:
+        """Fields of a line, without quotation marks."""
+        return next(csv.reader([line], delimiter=self.separator), [])
+
+    def _blocks(self) -> Iterator[tuple[bytes, float]]:
+        """Whole lines of the body, each with its line feed, and the share that has been read."""
         size = max(self._path.stat().st_size, 1)
-        row, line, rest = 1, 2, b""
+        rest = b""
         with self._path.open("rb") as file:
             file.seek(self._body)
             while True:
@@ -70,73 +102,37 @@ class CsvSource:
                     continue  # a line longer than a block
                 if not block.endswith(b"\n"):
                     block += b"\n"
-                lines = _Lines(block, self)
-                if lines.rows:
-                    progress = min(1.0, file.tell() / size)
-                    yield self._chunk(lines, numbers, carried, row, line, progress)
-                row, line = row + lines.rows, line + len(lines.ends)
+                yield block, min(1.0, file.tell() / size)
 
-    def _chunk(
-        self,
-        lines: "_Lines",
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        row: int,
-        line: int,
-        progress: float,
-    ) -> Chunk:
-        table = self._parse(lines.good_bytes(), numbers, carried)
-        good = lines.good[lines.kept]
-        in_file = line + np.flatnonzero(lines.kept)
-        values, texts = {}, {}
-        for name in numbers:
-            values[name] = _spread(_numbers(table[name], self._decimal), good, np.nan)
-        for name in carried:
-            texts[name] = _spread(table[name].to_numpy(), good, "")
+    def _parse(self, data: bytes, numbers: Sequence[str], carried: Sequence[str]) -> Any:
+        """The columns as pyarrow parses them; all as text where a number is not one."""
+        import pyarrow as pa
 
-        def text(at: int, column: str) -> str:
-            fields = self._fields(lines.text(int(in_file[at]) - line))
-            return fields[self.columns.index(column)]
+        texts = dict.fromkeys(carried, pa.string())
+        types = dict.fromkeys(numbers, pa.float64()) | texts
+        if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
+            return pa.schema(list(types.items())).empty_table()
+        try:
+            return self._table(data, types)
+        except pa.ArrowInvalid:
+            pass
+        try:
+            return self._table(data, dict.fromkeys(numbers, pa.string()) | texts)
+        except pa.ArrowInvalid as error:
+            raise InvalidInput(f"{self._path} must be CSV in UTF-8, got {error}") from error
 
-        return Chunk(
-            numbers=values,
-            carried=texts,
-            rows=lines.rows,
-            first_row=row,
-            progress=progress,
-            place=lambda at: f"line {in_file[at]}",
-            text=text,
-            fields=np.where(good, 0, lines.fields[lines.kept]),
-        )
-
-    def _parse(self, data: bytes, numbers: Sequence[str], carried: Sequence[str]):
-        """The columns as pyarrow parses them; as text where one of them is not all numbers."""
+    def _table(self, data: bytes, types: dict[str, Any]) -> Any:
         import pyarrow as pa
         from pyarrow import csv as arrow
 
-        if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
-            kinds = dict.fromkeys(numbers, pa.float64()) | dict.fromkeys(carried, pa.string())
-            return pa.schema(list(kinds.items())).empty_table()
-        for kind in (pa.float64(), pa.string()):
-            types = {**dict.fromkeys(numbers, kind), **dict.fromkeys(carried, pa.string())}
-            try:
-                return arrow.read_csv(
-                    pa.BufferReader(data),
-                    arrow.ReadOptions(column_names=self.columns, block_size=2 * BLOCK),
-                    arrow.ParseOptions(delimiter=self._separator),
-                    arrow.ConvertOptions(
-                        column_types=types,
-                        include_columns=list(types),
-                        decimal_point=self._decimal,
-                    ),
-                )
-            except pa.ArrowInvalid as error:
-                if kind == pa.string():
-                    raise InvalidInput(f"{self._path} must be CSV in UTF-8, got {error}") from error
-        raise AssertionError
-
-    def _fields(self, text: str) -> list[str]:
-        return next(csv.reader([text], delimiter=self._separator), [])
+        return arrow.read_csv(
+            pa.BufferReader(data),
+            arrow.ReadOptions(column_names=self.columns, block_size=2 * BLOCK),
+            arrow.ParseOptions(delimiter=self.separator),
+            arrow.ConvertOptions(
+                column_types=types, include_columns=list(types), decimal_point=self._decimal
+            ),
+        )
 
     def _decode(self, line: bytes, where: str) -> str:
         try:
@@ -148,15 +144,61 @@ class CsvSource:
             ) from error
 
 
-class _Lines:
-    """Where the lines of a block are, and which of them have as many fields as the header."""
+class TextSink(Sink):
+    """CSV; numbers in the shortest form that reads back the same, NaN as an empty field."""
 
-    def __init__(self, block: bytes, source: CsvSource):
+    def __init__(self, path: Path):
+        try:
+            import pyarrow.csv  # noqa: F401
+        except ImportError as error:
+            raise MissingExtra("writing CSV", "analysis") from error
+        self._file = path.open("wb")
+        self._begun = False
+        self._pool = ThreadPoolExecutor(1)  # writes numbers as text while the next are computed
+        self._pending: Future[None] | None = None
+
+    def write(self, columns: Mapping[str, Column]) -> None:
+        """Append rows, of which the first are preceded by the header."""
+        import pyarrow as pa
+
+        if not self._begun:
+            header = io.StringIO()
+            csv.writer(header, lineterminator="\n").writerow(columns)
+            self._file.write(header.getvalue().encode())
+            self._begun = True
+        arrays = [pa.array(values, from_pandas=True) for values in columns.values()]
+        self._wait()
+        self._pending = self._pool.submit(self._append, pa.table(arrays, names=list(columns)))
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._wait()
+        self.abandon()
+
+    def abandon(self) -> None:
+        """Release the file, without the rows that wait."""
+        self._pool.shutdown(cancel_futures=True)
+        self._file.close()
+
+    def _append(self, table: Any) -> None:
+        self._file.write(_as_text(table))
+
+    def _wait(self) -> None:
+        """Until the rows before are written; raises what went wrong with them."""
+        if self._pending is not None:
+            self._pending.result()
+            self._pending = None
+
+
+class _Lines:
+    """Lines of a block of bytes, and which of them have as many fields as the header."""
+
+    def __init__(self, block: bytes, source: TextSource):
         self._block, self._source = block, source
         self._codes = np.frombuffer(block, dtype=np.uint8)
         self.ends: IntArray = np.flatnonzero(self._codes == LINE_FEED)
         self.starts: IntArray = np.concatenate([[0], self.ends[:-1] + 1])
-        separators = self._codes == ord(source._separator)
+        separators = self._codes == ord(source.separator)
         self.fields: IntArray = np.add.reduceat(separators, self.starts, dtype=np.int64) + 1
         if b'"' in block:
             self._count_quoted()
@@ -165,25 +207,46 @@ class _Lines:
         self.good: BoolArray = self.kept & (self.fields == len(source.columns))
         self.rows = int(self.kept.sum())
 
+    def number(self, row: int) -> int:
+        """Which line, from 0, a row is: lines that are empty are no rows."""
+        return int(np.flatnonzero(self.kept)[row])
+
+    def field(self, row: int, column: str) -> str:
+        """What a row has in a column."""
+        return self._fields(self.number(row))[self._source.columns.index(column)]
+
     def good_bytes(self) -> bytes:
         """The lines that have all their fields."""
         if self.good.all():
             return self._block
         return self._codes[np.repeat(self.good, self.ends - self.starts + 1)].tobytes()
 
-    def text(self, number: int) -> str:
-        """One line."""
+    def _fields(self, number: int) -> list[str]:
         line = self._block[self.starts[number] : self.ends[number]]
-        return line.decode(errors="replace").rstrip("\r")
+        return self._source.split(line.decode(errors="replace").rstrip("\r"))
 
     def _count_quoted(self) -> None:
+        """Count fields of lines with quotation marks; -1 where one is left open."""
         quoted = np.add.reduceat(self._codes == ord('"'), self.starts, dtype=np.int64)
         for number in np.flatnonzero(quoted).tolist():
-            fields = len(self._source._fields(self.text(number)))
-            self.fields[number] = fields if quoted[number] % 2 == 0 else -1
+            self.fields[number] = len(self._fields(number)) if quoted[number] % 2 == 0 else -1
 
 
-def _numbers(column, decimal: str) -> FloatArray:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _TextChunk(Chunk):
+    """Rows named by their lines, with what is written there."""
+
+    lines: _Lines
+    first_line: int  # its number in the file, from 1
+
+    def place(self, row: int) -> str:
+        return f"line {self.first_line + self.lines.number(row)}"
+
+    def text(self, row: int, column: str) -> str:
+        return self.lines.field(row, column)
+
+
+def _numbers(column: Any, decimal: str) -> FloatArray:
     """Numbers of a pyarrow column; NaN where a text is none."""
     import pyarrow as pa
 
@@ -201,9 +264,25 @@ def _number(text: str, decimal: str) -> float:
 
 
 def _spread(values: npt.NDArray, good: BoolArray, missing: object) -> Column:
-    """Put values where a row is good, and something else where it is not."""
+    """Values where a row is good, and something else where it is not."""
     if good.all():
         return values
     spread = np.full(len(good), missing, dtype=values.dtype)
     spread[good] = values
     return spread
+
+
+def _as_text(table: Any) -> bytes:
+    """Rows of a pyarrow table as CSV, quoted only where it is needed."""
+    import pyarrow as pa
+    from pyarrow import csv as arrow
+
+    for quoting in ("none", "needed"):
+        out = pa.BufferOutputStream()
+        try:
+            options = arrow.WriteOptions(include_header=False, quoting_style=quoting)
+            arrow.write_csv(table, out, options)
+        except pa.ArrowInvalid:
+            continue
+        return out.getvalue().to_pybytes()
+    raise InvalidInput("columns must be numbers and text to be written to CSV; write Parquet")

@@ -1,0 +1,250 @@
+"""Matching of a file's columns to the documented ones, as a layout asks."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from coopenv.errors import InvalidInput
+from coopenv.logs.columns import (
+    EFFECTOR,
+    ORIENTATION,
+    POSITION,
+    TWIST,
+    effector_names,
+    is_documented,
+    quantity,
+)
+from coopenv.logs.layout import Layout
+
+NUMBERED = re.compile(r"[ftr]\d+[xyz]")  # from any number
+SPATIAL = re.compile(r"[fr]\d+z|t\d+[xy]")  # out of the plane
+LISTED = 30  # columns that a message lists
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """Which columns of a file are read, under which documented names, and what is carried."""
+
+    num_effectors: int
+    dimension: int  # 2 or 3
+    source: dict[str, str]  # documented name -> column of the file
+    factor: dict[str, float]  # documented name -> factor to SI units, sign included
+    required: frozenset[str]  # documented names that must be finite in a good row
+    carried: tuple[str, ...]  # columns of the file
+    unused: tuple[str, ...]  # columns with a documented name that mean nothing here
+    grips_vary: bool  # whether they are columns
+
+    def has(self, names: Sequence[str]) -> bool:
+        """Whether all of these documented columns are there."""
+        return all(name in self.source for name in names)
+
+    def effector_names(self, kind: str) -> list[list[str]]:
+        """Names of the columns of ``kind`` f, t or r: one list an effector."""
+        return effector_names(kind, self.num_effectors, self.dimension)
+
+
+def make_plan(
+    path: str, columns: Sequence[str], layout: Layout, *, grips_in_file: bool = False
+) -> Plan:
+    """Find the documented columns among those of a file.
+
+    Parameters
+    ----------
+    path
+        Named in errors.
+    columns
+        Of the file.
+    layout
+        How its columns are called, their frames and units.
+    grips_in_file
+        Whether the file says the grips otherwise, once for all rows.
+
+    Raises
+    ------
+    InvalidInput
+        If a column is missing or said twice; the message names the nearest there is.
+    """
+    found = _find(path, columns, layout)
+    need = _Need(path, columns, found)
+    need("f1x", "f1y")
+    count = _count(found)
+    dimension = _dimension(found, layout, count)
+    if layout.grips is not None and grips_in_file:
+        raise InvalidInput(f"grips must be said once, got them in {path} too; leave them out")
+    grips_vary = layout.grips is None and not grips_in_file
+    kinds = "f" + "t" * (not layout.forces_only) + "r" * grips_vary
+    groups = [group for kind in kinds for group in effector_names(kind, count, dimension)]
+    required = ["time"] if "time" in found else []
+    required += need(*(name for group in groups for name in group))
+    if not grips_vary and _some(found, "r"):
+        raise InvalidInput(
+            f"grips must be said once, got columns {_some(found, 'r')} in {path} as well; leave "
+            "out --grips or the columns (--map r1x=)"
+        )
+    twist = _twist(need, dimension)
+    required += [*twist, *need(*_pose(layout, dimension, grips_vary, bool(twist)))]
+    pose = (*POSITION[dimension], *ORIENTATION[dimension])
+    optional = [name for name in pose if name in found and name not in required]
+    source = {name: found[name] for name in required + optional}
+    taken = set(source.values())
+    rest = [name for name in columns if name not in taken]
+    # carried, they would mean something where the table is read again
+    unused = [name for name in rest if is_documented(name) or NUMBERED.fullmatch(name)]
+    return Plan(
+        num_effectors=count,
+        dimension=dimension,
+        source=source,
+        factor={name: _factor(name, columns, layout) for name in source},
+        required=frozenset(required),
+        carried=tuple(name for name in rest if name not in unused),
+        unused=tuple(unused),
+        grips_vary=grips_vary,
+    )
+
+
+def _find(path: str, columns: Sequence[str], layout: Layout) -> dict[str, str]:
+    """Documented name → column, of all that are there."""
+    if len(set(columns)) < len(columns):
+        twice = next(name for name in columns if list(columns).count(name) > 1)
+        raise InvalidInput(f"{path}: columns must differ, got {twice!r} twice; rename one")
+    found = {name: name for name in columns if is_documented(name)}
+    for name, said in layout.columns.items():
+        found.pop(name, None)
+        if not said:
+            continue
+        theirs = said[1:] if _negated(said, columns) else said
+        if theirs not in columns:
+            hint = _hint(name, columns, theirs.removeprefix("-"))
+            raise InvalidInput(
+                f"{path}: {name} must be mapped to one of its columns, got {theirs!r}; {hint}"
+            )
+        found[name] = theirs
+        if found.get(theirs) == theirs and theirs not in layout.columns and theirs != name:
+            del found[theirs]  # its own name would mean something else
+    zero = [name for name in columns if re.fullmatch(r"[ft]0[xyz]", name)]
+    if zero and not set(zero) & set(found.values()):  # the first effector would be overlooked
+        raise InvalidInput(
+            f"{path}: effectors are numbered from 1, got column {zero[0]!r}; rename the columns or "
+            f"map all of them, --map f1x=f0x f2x=f1x …; has: {_listed(columns)}"
+        )
+    return found
+
+
+def _negated(said: str, columns: Sequence[str]) -> bool:
+    """Whether a mapping turns the sign of a column: "-Fx", unless a column is called so."""
+    return said.startswith("-") and said not in columns and said[1:] in columns
+
+
+def _count(found: dict[str, str]) -> int:
+    """Number of effectors."""
+    return max(int(name[1:-1]) for name in found if EFFECTOR.fullmatch(name) is not None)
+
+
+def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
+    """2 or 3: of the grips, as the layout says, or as the columns are."""
+    grips = layout.grips_of(count)
+    said = {"plane": 2, "space": 3, "auto": None}[layout.space]
+    if grips is not None and said not in (None, grips.shape[1]):
+        raise InvalidInput(
+            f"grips must be of {said} numbers each in the {layout.space}, got {grips.shape[1]}; "
+            "change them or leave out --space"
+        )
+    if grips is not None:
+        return grips.shape[1]
+    if said is not None:
+        return said
+    return 3 if any(SPATIAL.fullmatch(name) for name in found) else 2
+
+
+def _twist(need: "_Need", dimension: int) -> list[str]:
+    """Columns of the twist: all of them, or none."""
+    there = [name for name in TWIST[dimension] if name in need.found]
+    if not there:
+        return []
+    left_out = " ".join(f"{name}=" for name in there)
+    return need(*TWIST[dimension], remedy=f"a twist is whole or left out (--map {left_out})")
+
+
+def _pose(layout: Layout, dimension: int, grips_vary: bool, twist: bool) -> list[str]:
+    """Columns of the pose that are needed to turn what the world frame holds to the object's."""
+    if layout.y == "down" and dimension == 3:
+        raise InvalidInput(
+            "y must be 'up' in space, got 'down'; there, every right-handed frame will do as it is"
+        )
+    if layout.grip_frame == "world" and not grips_vary:
+        raise InvalidInput(
+            "grip_frame must be 'object' where the grips are given once, got 'world'; record them "
+            "in columns r1x, r1y …"
+        )
+    names: list[str] = []
+    if "world" in (layout.frame, layout.grip_frame) or (twist and layout.twist_frame == "world"):
+        names += ORIENTATION[dimension]
+    if layout.grip_frame == "world":
+        names += POSITION[dimension]
+    return names
+
+
+def _factor(name: str, columns: Sequence[str], layout: Layout) -> float:
+    """What the numbers of a documented column are multiplied with: unit and sign."""
+    kind = quantity(name)
+    scale = 1.0 if kind is None else layout.factor(kind)
+    return -scale if _negated(layout.columns.get(name, ""), columns) else scale
+
+
+@dataclass(frozen=True, slots=True)
+class _Need:
+    """Insists on columns, and helps to find the one that is missing."""
+
+    path: str
+    columns: Sequence[str]
+    found: dict[str, str]
+
+    def __call__(self, *names: str, remedy: str = "") -> list[str]:
+        for name in names:
+            if name not in self.found:
+                advice = [_hint(name, self.columns), self._remedy(name) or remedy]
+                raise InvalidInput(
+                    f"{self.path}: column {name} must be there, got none of that name; "
+                    f"{'; '.join(filter(None, advice))}"
+                )
+        return list(names)
+
+    def _remedy(self, name: str) -> str:
+        """An option that does without the column, if nothing of its kind is there."""
+        if name[0] == "t" and name != "time" and not _some(self.found, "t"):
+            return "say --forces-only if the effectors apply no torque"
+        if name[0] == "r" and not _some(self.found, "r"):
+            return "or give the grips once with --grips"
+        return ""
+
+
+def _some(found: dict[str, str], kind: str) -> str:
+    """The columns of effectors of ``kind`` f, t or r that are there."""
+    matches = [EFFECTOR.fullmatch(name) for name in found]
+    return ", ".join(match[0] for match in matches if match is not None and match[1] == kind)
+
+
+def _hint(name: str, columns: Sequence[str], like: str = "") -> str:
+    """The column nearest to the name, or to ``like``, and all there are."""
+    lower = {column.lower(): column for column in columns if like or not _taken(name, column)}
+    nearest = get_close_matches((like or name).lower(), lower, n=1, cutoff=0.5)
+    if nearest:
+        theirs = lower[nearest[0]]
+        return (
+            f"did you mean {theirs!r}? rename it or map it, --map {name}={theirs}; has: "
+            f"{_listed(columns)}"
+        )
+    return f"rename a column or map it, --map {name}=COLUMN; has: {_listed(columns)}"
+
+
+def _taken(name: str, column: str) -> bool:
+    """Whether a column is something else than ``name`` by its own name."""
+    if is_documented(column):
+        return True
+    other, own = EFFECTOR.fullmatch(column.lower()), EFFECTOR.fullmatch(name)
+    return other is not None and own is not None and other[1] != own[1]
+
+
+def _listed(columns: Sequence[str]) -> str:
+    return ", ".join(columns[:LISTED]) + (" …" if len(columns) > LISTED else "")

@@ -1,0 +1,77 @@
+"""Files are opened by the suffix of their name, and every format has a reader and a writer."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from coopenv.errors import InvalidInput
+from coopenv.logs import formats
+from tests.logs import cases
+
+
+@pytest.fixture(autouse=True)
+def _extra():
+    pytest.importorskip("pyarrow")
+    pytest.importorskip("pandas")
+
+
+def test_every_format_is_among_those_that_are_tested():
+    assert [known.suffixes[0] for known in formats.FORMATS] == list(cases.FORMATS)
+
+
+def test_no_suffix_has_two_formats():
+    suffixes = [suffix for known in formats.FORMATS for suffix in known.suffixes]
+    assert len(set(suffixes)) == len(suffixes)
+    assert all(suffix == suffix.lower() for suffix in suffixes)
+
+
+@pytest.mark.parametrize("known", formats.FORMATS, ids=lambda known: known.suffixes[0])
+def test_reader_and_writer_are_in_one_file(known):
+    assert known.source.__module__ == known.sink.__module__
+
+
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+def test_what_is_written_in_pieces_is_read_back_in_pieces(suffix, tmp_path, monkeypatch):
+    columns = cases.planar(30) | {"who": np.repeat(["ann", "b, c", 'd "e"'], 10).astype(object)}
+    columns["f1x"][7] = np.nan
+    path = tmp_path / f"a{suffix.upper()}"
+    sink = formats.open_sink(path)
+    for rows in (slice(0, 1), slice(1, 20), slice(20, 30)):
+        sink.write({name: values[rows] for name, values in columns.items()})
+    sink.close()
+    cases.set_chunk(7, monkeypatch)
+    source = formats.open_source(path)
+    numbers = [name for name in columns if name != "who"]
+    assert sorted(source.columns) == sorted(columns)
+    chunks = list(source.chunks(numbers, ["who"]))
+    assert len(chunks) > 2
+    for name in numbers:
+        read = np.concatenate([chunk.numbers[name] for chunk in chunks])
+        np.testing.assert_array_equal(read, columns[name], err_msg=name)
+    assert [who for chunk in chunks for who in chunk.carried["who"]] == columns["who"].tolist()
+    assert [chunk.first_row for chunk in chunks] == [
+        1 + sum(chunk.rows for chunk in chunks[:k]) for k in range(len(chunks))
+    ]
+    assert all(chunk.whole.all() and len(chunk.whole) == chunk.rows for chunk in chunks)
+    progress = [chunk.progress for chunk in chunks]
+    assert progress == sorted(progress)
+    assert progress[-1] == 1.0
+
+
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+def test_a_table_that_is_abandoned_can_be_deleted(suffix, tmp_path):
+    path = tmp_path / f"a{suffix}"
+    for pieces in (0, 1):
+        sink = formats.open_sink(path)
+        for _ in range(pieces):
+            sink.write(cases.planar(3))
+        sink.abandon()
+        path.unlink(missing_ok=True)
+        assert not list(tmp_path.iterdir())
+
+
+def test_an_unknown_suffix_is_answered_with_those_that_are_known(tmp_path):
+    with pytest.raises(InvalidInput, match=r"one of \.csv, \.tsv, \.txt, .* got 'a\.xlsx'"):
+        formats.open_sink(tmp_path / "a.xlsx")
+    assert formats.find_format(Path("a.TXT")).sink is formats.find_format(Path("a.csv")).sink
