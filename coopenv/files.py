@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Atomic writing of files: whole or not at all."""
 
 import os
 from collections.abc import Iterator
@@ -9,6 +9,8 @@ from pathlib import Path
 @contextmanager
 def written(path: str | os.PathLike) -> Iterator[Path]:
     """A temporary path beside ``path``, which replaces it once the block ends without an error.
+
+    Both have the same suffix, as writers choose the format by it.
 
     >>> with written("table.csv") as part:
     ...     _ = part.write_text("a,b")

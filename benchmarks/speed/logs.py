@@ -1,6 +1,7 @@
 """Rows per second and memory of decomposing recorded files.
 
-    python -m benchmarks.speed.logs [rows]
+    python -m benchmarks.speed.logs [rows]     # prints them
+    python -m benchmarks.speed.logs --write    # and puts them on docs/recordings.md
 
 Each figure is that of a process of its own, which decomposes a file of two planar effectors with
 time and twist, once small to load and compile everything, then for the clock. The memory is the
@@ -15,8 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks import recordings
+from benchmarks.pages import fill, markdown
+from coopenv.logs.formats import FORMATS, open_sink
+from coopenv.logs.formats.chunks import CHUNK_ROWS
+
 ROWS = 1_000_000
-FORMATS = (".csv", ".npz", ".parquet")
+ON_PAGE = ("file", "CPU s", "above a small file [MiB]")  # the clock counts other work too
 BEAM = "(-0.9, 0.0, 0.9, 0.0)"
 CHILD = f"""
 import json, resource, sys, time
@@ -33,21 +39,18 @@ print(json.dumps([time.perf_counter() - began, time.process_time() - used, peak,
 
 
 def write(path: Path, rows: int) -> None:
-    """A recording of random wrenches as a file of the format its name asks for."""
+    """A recording of random wrenches as a file of the format its name asks for.
+
+    In pieces, as a process's largest memory counts that of the process which starts it.
+    """
     rng = np.random.default_rng(0)
     names = ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z", "vx", "vy", "omega")
-    columns = {"time": np.arange(rows) / 1000}
-    columns |= {name: rng.normal(size=rows).round(6) for name in names}
-    if path.suffix == ".npz":
-        np.savez(path, **columns)  # pyright: ignore[reportArgumentType]
-        return
-    import pandas
-
-    frame = pandas.DataFrame(columns)
-    if path.suffix == ".parquet":
-        frame.to_parquet(path)
-    else:
-        frame.to_csv(path, index=False)
+    sink = open_sink(path)
+    for first in range(0, rows, CHUNK_ROWS):
+        time = np.arange(first, min(first + CHUNK_ROWS, rows)) / 1000
+        drawn = {name: rng.normal(size=len(time)).round(6) for name in names}
+        sink.write({"time": time, **drawn})
+    sink.close()
 
 
 def measure(folder: Path, suffix: str, rows: int, picture: bool) -> tuple[float, ...]:
@@ -66,7 +69,7 @@ def tables(rows: int = ROWS) -> list[tuple[str, list[str], list[list[str]]]]:
     """Title, columns and rows of what this module measures."""
     lines = []
     with tempfile.TemporaryDirectory() as folder:
-        for suffix in FORMATS:
+        for suffix in [known.suffixes[0] for known in FORMATS]:
             for picture in (False, True):
                 seconds, cpu, peak, before = measure(Path(folder), suffix, rows, picture)
                 lines.append(
@@ -84,15 +87,20 @@ def tables(rows: int = ROWS) -> list[tuple[str, list[str], list[list[str]]]]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table; with ``--write`` also put it on the page."""
     from rich.console import Console
     from rich.table import Table
 
-    for title, columns, lines in tables(*map(int, sys.argv[1:2])):
+    rows = [int(word) for word in sys.argv[1:] if word != "--write"]
+    for title, columns, lines in tables(*rows):
         table = Table(*columns, title=title, title_justify="left")
         for line in lines:
             table.add_row(*line)
         Console().print(table)
+        if "--write" in sys.argv[1:]:
+            kept = [columns.index(name) for name in ON_PAGE]
+            on_page = [[line[j] for j in kept] for line in lines]
+            fill(recordings.PAGE, {"speed": markdown(ON_PAGE, on_page)})
 
 
 if __name__ == "__main__":

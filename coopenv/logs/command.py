@@ -1,8 +1,8 @@
-"""``coopenv decompose FILE``."""
+"""Command line of ``coopenv decompose``: options, progress bar, summary."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +10,6 @@ from coopenv.errors import MissingExtra
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-SAID = (
-    "grips", "frame", "twist_frame", "grip_frame", "y", "space", "forces_only", "decimal",
-    "trial_columns", "time", "length", "angle", "velocity", "angular_velocity", "force", "torque",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,8 +89,9 @@ class Decompose:
         from coopenv.logs.run import decompose_file
         from coopenv.wrench import Settings
 
+        options = [entry.name for entry in fields(Layout) if entry.name != "columns"]
         said: dict[str, Any] = {
-            name: getattr(self, name) for name in SAID if getattr(self, name) is not None
+            name: getattr(self, name) for name in options if getattr(self, name) is not None
         }
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         settings = Settings(

@@ -1,4 +1,4 @@
-"""A million rows as a few thousand: the least, the largest and the mean of consecutive rows."""
+"""Thinning of long curves to the least, largest and mean of consecutive rows."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a recording and its decomposition came to, in a few numbers."""
+"""Summary of a decomposed recording: means, percentiles, residuals, bad rows."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,7 +42,7 @@ class Measure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
-    """What `coopenv.logs.decompose_file` did."""
+    """Result of `coopenv.logs.decompose_file`."""
 
     table: Path
     picture: Path | None
@@ -61,7 +61,7 @@ class Summary:
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
-        """For people."""
+        """Print it as lines and a table of the measures."""
         try:
             from rich.box import SIMPLE_HEAD
             from rich.table import Table
@@ -106,7 +106,7 @@ class Summary:
 
 
 class Collector:
-    """Sums up an analysis piece by piece."""
+    """Running sums over an analysis that comes chunk by chunk."""
 
     def __init__(self):
         self._columns: dict[str, _Column] = {}
@@ -142,7 +142,7 @@ class Collector:
         left_out: tuple[str, ...],
         old_picture: Path | None = None,
     ) -> Summary:
-        """All of it."""
+        """Summary of all rows so far, with what only the caller knows."""
         return Summary(
             table=table,
             picture=picture,
@@ -198,7 +198,7 @@ class _Column:
             self._count = len(self._kept[0])
 
     def measure(self, name: str) -> Measure:
-        """All of it."""
+        """Statistics of all rows so far."""
         values = np.concatenate(self._kept)
         values = values[~np.isnan(values)]
         low, median, high = np.percentile(values, (5, 50, 95)) if len(values) else [np.nan] * 3

@@ -1,4 +1,4 @@
-"""Where one trial ends and the next begins."""
+"""Segmentation of recorded rows into trials."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -6,22 +6,12 @@ one line in `FORMATS`.
 
 import os
 from pathlib import Path
-from typing import NamedTuple
 
 from coopenv.errors import InvalidInput
-from coopenv.logs.formats.chunks import Sink, Source
+from coopenv.logs.formats.chunks import Format, Sink, Source
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
 from coopenv.logs.formats.text import TextSink, TextSource
-
-
-class Format(NamedTuple):
-    """A file format."""
-
-    suffixes: tuple[str, ...]
-    source: type[Source]
-    sink: type[Sink]
-
 
 FORMATS = (
     Format((".csv", ".tsv", ".txt"), TextSource, TextSink),

@@ -1,10 +1,10 @@
-"""Types that every file format shares: chunks of columns, their source and their sink."""
+"""Types of file formats: chunks of columns, their source (reader) and their sink (writer)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -111,3 +111,11 @@ class Sink(ABC):
     @abstractmethod
     def abandon(self) -> None:
         """Release the file, which is not wanted any more; it may be half written."""
+
+
+class Format(NamedTuple):
+    """A file format, as the registry lists it."""
+
+    suffixes: tuple[str, ...]  # of names, in small letters; tables get the first by default
+    source: type[Source]
+    sink: type[Sink]
