@@ -1,4 +1,4 @@
-"""Ready-made sums, and the one place that turns a ``reward=`` keyword into a sum."""
+"""Preset rewards by name, and parsing of the keyword ``reward=``."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""Potential-based shaping (Ng, Harada & Russell 1999): guidance that cannot be farmed."""
+"""Potential-based reward shaping (Ng, Harada & Russell 1999), and progress towards the goal."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ class Progress(PotentialShaping):
 @compiled
 def _gain(before, after, terminated, discount, weight, num_agents):
     gain = np.empty((len(before), num_agents))
-    for k in range(len(before)):
-        later = 0.0 if terminated[k] else discount * after[k]
-        gain[k, :] = weight * (later - before[k])
+    for world in range(len(before)):
+        later = 0.0 if terminated[world] else discount * after[world]
+        gain[world, :] = weight * (later - before[world])
     return gain

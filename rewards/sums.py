@@ -1,4 +1,4 @@
-"""A weighted sum of named terms that reports its parts."""
+"""Sum of named reward terms, which reports each of its parts."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace

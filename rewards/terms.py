@@ -1,4 +1,7 @@
-"""One class a reward term. Each returns ``(world, agent)``; penalties are negative."""
+"""Reward terms: success, time, effort, internal force and torque, load share and others.
+
+Each is a class that returns ``(world, agent)``; penalties are negative.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,10 +13,6 @@ from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.wrench import Decomposition, Settings
-
-
-def _decomposition(transition: Transition, settings: Settings | None) -> Decomposition:
-    return transition.decomposition if settings is None else transition.decompose(settings)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,3 +165,8 @@ class TrackingError:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         return transition.per_agent(transition.next_state.distance, -self.weight * transition.dt)
+
+
+def _decomposition(transition: Transition, settings: Settings | None) -> Decomposition:
+    """That of the environment, or another one that the term asks for."""
+    return transition.decomposition if settings is None else transition.decompose(settings)
