@@ -1,5 +1,10 @@
 """coopenv decompose, as a user calls it."""
 
+import ast
+import inspect
+from dataclasses import fields
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -8,6 +13,9 @@ pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
 from coopenv import cli
+from coopenv.logs import Layout
+from coopenv.logs.command import Decompose
+from coopenv.logs.layout import UNITS
 from tests.logs import cases
 
 
@@ -93,3 +101,18 @@ def test_bad_rows_are_told_of_when_they_are_passed_over(tmp_path, capsys):
     printed = " ".join(capsys.readouterr().out.split())
     assert "1 bad rows are NaN; the first:" in printed
     assert "line 5, column 'f1x'" in printed
+
+
+def test_every_field_of_a_layout_is_an_option_and_names_its_units():
+    body = ast.parse(inspect.getsource(Decompose)).body[0]
+    assert isinstance(body, ast.ClassDef)
+    said = {
+        node.target.id: ast.literal_eval(text.value)
+        for node, text in pairwise(body.body)
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+        if isinstance(text, ast.Expr)
+    }
+    assert {entry.name for entry in fields(Layout)} - {"columns"} <= set(said)
+    for quantity, known in UNITS.items():
+        first, *others = known
+        assert said[quantity] == f"Unit: {', '.join([f'{first} (default)', *others])}."
