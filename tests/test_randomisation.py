@@ -194,9 +194,12 @@ def test_wrong_ranges_are_refused_at_construction_by_name(ranges, said):
         TransportConfig(randomise=ranges)
 
 
-def test_grips_that_the_solver_cannot_take_are_refused_before_the_first_episode():
-    with pytest.raises(InvalidInput, match=r"randomise must leave grips .* solver='pair'"):
-        Transport(randomise=WIDE, decomposition=Settings(solver="pair"))
+def test_grips_that_the_method_cannot_take_are_refused_before_the_first_episode():
+    settings = Settings(method="prioritized_torque")
+    said = r"randomise must leave grips .* method='prioritized_torque'"
+    with pytest.raises(InvalidInput, match=said):
+        Transport(randomise=WIDE, decomposition=settings)
+    Transport(randomise=WIDE, decomposition=Settings(solver="pair"))
 
 
 def test_a_grip_off_the_body_may_be_anywhere_off_it():

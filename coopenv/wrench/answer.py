@@ -1,9 +1,10 @@
-"""Answers of the methods and solvers, and the form they are prepared in."""
+"""Types of what methods and solvers return and how they are prepared: Answer, Solve, Prepare."""
 
 from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 from coopenv.arrays import BoolArray, FloatArray
+from coopenv.wrench.settings import Settings
 
 
 class Answer(NamedTuple):
@@ -16,6 +17,9 @@ class Answer(NamedTuple):
 
 Solve: TypeAlias = Callable[[FloatArray], Answer]
 """Applied wrenches to their answer, at grips and with settings that were worked in before."""
+
+Prepare: TypeAlias = Callable[[FloatArray, Settings], Solve]
+"""A solver: works in grips and settings once."""
 
 
 class Prepared(NamedTuple):

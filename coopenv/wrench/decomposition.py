@@ -1,4 +1,4 @@
-"""Decompose applied wrenches into what moves the object and what only stresses it."""
+"""Decomposition of applied wrenches into manipulation wrenches and internal wrenches."""
 
 from functools import cached_property
 from typing import NamedTuple
@@ -145,7 +145,8 @@ class Decomposition:
     settings
         As given to the `Decomposer`.
     solver
-        Name of the solver that answered, ``"closed_form"`` where there is none.
+        Name of the solver that answers, whatever was asked for; ``"closed_form"`` where there is
+        none.
     """
 
     def __init__(self, applied: FloatArray, answer: Answer, decomposer: Decomposer):
@@ -196,7 +197,7 @@ class Decomposition:
 
     @cached_property
     def fell_back(self) -> BoolArray:
-        """Where ``(...)`` ``"structured"`` could not certify its answer and took `conic`'s."""
+        """Where ``(...)`` ``"structured"`` could not certify its answer and took ``"conic"``'s."""
         fell_back = self._answer.fell_back
         shape = self.applied.shape[:-2]
         return np.zeros(shape, dtype=np.bool_) if fell_back is None else fell_back

@@ -1,4 +1,4 @@
-"""What to decompose with: one frozen description, checked when it is made."""
+"""Settings of a decomposition: definition of internal wrench, weights of the cost, solver."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
@@ -47,7 +47,8 @@ class Settings:
     include_induced
         Whether the cost counts induced torques: s = 1.
     solver
-        For ``method="optimal"``: ``"auto"`` or a name in `SOLVERS`.
+        For ``method="optimal"``: a name in `SOLVERS`, or ``"auto"``, which takes ``"pair"`` for two
+        planar effectors and ``"structured"`` for all others.
     virtual_masses, virtual_inertias
         For ``method="parametrized"``: m_i* ``(n,)`` [kg] and J_i* ``(n,)``, in space also
         ``(n, 3, 3)`` [kg m²]; all 1 by default. Any nesting of sequences; kept as tuples.

@@ -74,11 +74,10 @@ def test_grips_may_differ_from_sample_to_sample(method):
 
 
 def test_auto_takes_the_exact_solver_where_it_applies():
-    assert wrench.Decomposer(BEAM).solver == "pair"
-    assert wrench.Decomposer(OFF_AXIS).solver == "structured"
-    assert wrench.Decomposer(TRIANGLE).solver == "structured"
-    assert wrench.Decomposer(np.zeros((2, 3))).solver == "structured"
-    assert wrench.Decomposer([BEAM, OFF_AXIS]).solver == "structured"
+    for planar_pair in (BEAM, OFF_AXIS, [BEAM, OFF_AXIS], np.zeros((0, 2, 2))):
+        assert wrench.Decomposer(planar_pair).solver == "pair"
+    for others in (TRIANGLE, np.zeros((2, 3)), np.zeros((1, 2))):
+        assert wrench.Decomposer(others).solver == "structured"
     assert wrench.Decomposer(BEAM, wrench.Settings(method="point_mass")).solver == "closed_form"
 
 

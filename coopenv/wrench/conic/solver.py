@@ -1,4 +1,4 @@
-"""Any number of effectors, in the plane or in space: the cone program through Clarabel.
+"""Conic solver for any number of effectors, in the plane or in space: a cone program for Clarabel.
 
 Slow (milliseconds a sample) but general, and the oracle for the special solvers. Every vector is
 measured in its own length, directions that are fixed anyway are taken out of the program, and where
@@ -6,13 +6,11 @@ all forces agree the answer is written down without iterating: there the feasibl
 and an interior-point method loses half its digits.
 
 Accuracy: a ball relaxed by ε lets the cost fall by √ε where the feasible set is thin, and Clarabel
-relaxes every one. Its answer is therefore brought back into the balls (`conic_feasible`), and its
-multipliers through weak duality (`conic_bound`), so that the optimum is within cost ± gap whatever
-Clarabel says. Against the exact answer for 12,540 pairs the gap was 1e-12 of J(h) in the median,
-above 1e-6 for 0.2 % of them, and the optimum never outside it by more than rounding, 1e-14. The gap
-is large where no good plausible wrench or no good multipliers were found: where forces agree but
-for 1e-6 to 1e-5, then up to 1e-5, where forces differ by factors of 10⁴ and more, then rarely up to
-1e-3, and for 1 % of planar trios of small integers, then up to 0.4 beside an answer right to 1e-8.
+relaxes every one. Its answer is therefore brought back into the balls (`feasible`), and its
+multipliers through weak duality (`bound`), so that the optimum is within cost ± gap whatever
+Clarabel says. The gap is large where no good plausible wrench or no good multipliers are found:
+where forces nearly agree, or differ by factors of 10⁴ and more, and for some wrenches of small
+integers. `docs/decomposition.md` says how large.
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21.
 """
@@ -63,10 +61,10 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     settings
         Torque weight and whether induced torque is costed.
     """
-    return partial(answers, grips, settings)
+    return partial(_solve, grips, settings)
 
 
-def answers(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
+def _solve(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
     """Manipulation wrenches and gaps [N]; samples one after the other."""
     w = settings.torque_weight
     weights = Prices(1.0 - w, w, settings.include_induced * w)

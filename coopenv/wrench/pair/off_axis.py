@@ -14,23 +14,15 @@ Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction to one dimension is 
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import FloatArray
 from coopenv.wrench import measures
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.measure_kernels import level_kernel
-from coopenv.wrench.pair import on_axis as pair
 from coopenv.wrench.pair.off_axis_kernel import ROUNDING, decompose_off_axis
 from coopenv.wrench.settings import Settings
 
 WORTH_A_THREAD = 1000  # samples that occupy a core long enough for one to be started
-
-
-def applies(grips: FloatArray) -> BoolArray:
-    """Whether each set of grips is two planar positions and `pair` does not apply."""
-    if grips.shape[-2:] != (2, 2):
-        return np.zeros(grips.shape[:-2], dtype=np.bool_)
-    return ~pair.applies(grips)
 
 
 def prepare(grips: FloatArray, settings: Settings) -> Solve:
@@ -39,7 +31,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     Parameters
     ----------
     grips
-        ``(..., 2, 2)`` for which this `applies` [m].
+        ``(..., 2, 2)``, none of them on one line through the centre of mass [m].
     settings
         Torque weight and whether induced torque is costed.
     """

@@ -18,7 +18,6 @@ Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction to one dimension is 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.errors import InvalidInput
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.pair.on_axis_kernel import decompose_pair
 from coopenv.wrench.settings import Settings
@@ -27,25 +26,15 @@ ON_AXIS = 1e-12  # distance from the line that counts as rounding, relative to t
 
 
 def prepare(grips: FloatArray, settings: Settings) -> Solve:
-    """Check the grips once and return the solver for any number of applied wrenches.
+    """Return the solver for any number of applied wrenches at these grips.
 
     Parameters
     ----------
     grips
-        ``(..., 2, 2)`` on one line through the centre of mass, either possibly at it [m].
+        ``(..., 2, 2)`` for which this `applies` [m].
     settings
         Torque weight and whether induced torque is costed.
-
-    Raises
-    ------
-    InvalidInput
-        If the grips are not two, not planar, or not on a line through the centre of mass.
     """
-    if not bool(np.all(applies(grips))):
-        raise InvalidInput(
-            "grips must be two planar positions on one line through the centre of mass for "
-            f"solver='pair', got {np.array2string(grips, threshold=8)}; use solver='structured'"
-        )
     axis = _axis(grips)
     weights = np.array([settings.torque_weight, float(settings.include_induced)])
 

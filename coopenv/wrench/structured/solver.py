@@ -1,29 +1,22 @@
-"""Any number of effectors, in the plane or in space, in time linear in their number.
+"""Structured interior-point solver for any number of effectors, in time linear in their number.
 
-A primal-dual interior-point method (`interior_point`). The effectors are coupled only by the
-balance of force and torque, so every Newton step comes down to one system of 6 equations
-(`newton`); four effectors are treated at once (`lanes`). Where the forces agree (`agreement`),
-which is the most common state of a good team, the feasible set has no interior and the answer is
-written down instead; so it is where all that would be internal, 1e-5 of the cost at most, may be
-rounding. Every answer is balanced and inside every ball to rounding and carries a bound on its
-suboptimality from the dual program (`certificate`). A sample whose bound is worse than 1e-8 is
-tried again with shorter, more central steps, balance being taken about the middle of the grips
-(`alignment`); one still worse than `ACCEPTED` is also given to `conic`. The answer with the better
-bound is kept.
+A primal-dual method (`interior_point`), in the plane or in space. The effectors are coupled only by
+the balance of force and torque, so every Newton step comes down to one system of 6 equations
+(`newton`); four effectors are treated at once (`lanes`). Where the forces agree (`agreement`), as
+those of a good team mostly do, the feasible set has no interior and the answer is written down
+instead; so it is where all that would be internal, 1e-5 of the cost at most, may be rounding.
 
-Two effectors in the plane leave one unknown. Off the axis it is closed in on to the last digit
-(`pair_off_axis`); the bound is the width of the bracket times the steepest slope of the cost.
+Every answer is balanced and inside every ball to rounding and carries a bound on its suboptimality
+from the dual program (`bound`). A sample whose bound is worse than 1e-8 is tried again with
+shorter, more central steps, balance being taken about the middle of the grips (`alignment`); one
+still worse than `ACCEPTED` is also given to another solver. The answer with the better bound is
+kept.
 
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest (1e-14
 where a torque's cost is no trifle) are left as applied, which the gap counts, a force within 1e-11
 of its lever's direction counts as along it, and balance holds to 1e-13. Where the feasible set is
-thin, rounding is worth its root: 1e-8 to 1e-7 of the cost where forces agree but for 1e-10 to 1e-7,
-and 1e-6 to 1e-5 where a lever is very short. The answer may be cheaper than the optimum by that
-much; the gap contains an estimate of it (`certificate.undercut`).
-
-With levers from 10⁻⁶ to 10⁶ m and torques from 10⁻⁶ to 10⁶ times what they make of the forces, of
-320,040 random wrenches one keeps a gap above 1e-7 of the cost; beyond, up to 10¹², one in 3,000.
-Where forces agree but for 1e-9, levers of 10² m and more leave gaps of 1e-6 and more (10⁴ m: 1e-4).
+thin, the answer may be cheaper than the optimum by the root of rounding; the gap contains an
+estimate of it (`bound.undercut`). `docs/decomposition.md` says how good the answers are.
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """
@@ -34,23 +27,18 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import SolverError
-from coopenv.wrench.answer import Answer, Solve
-from coopenv.wrench.conic import solver as conic
+from coopenv.wrench.answer import Answer, Prepare, Solve
 from coopenv.wrench.cores import on_all_cores
-from coopenv.wrench.pair import off_axis as pair_off_axis
-from coopenv.wrench.pair import on_axis as pair
 from coopenv.wrench.settings import Settings
 from coopenv.wrench.structured.batch import solve_batch
 
 TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
-IN_PLANE = (
-    1e-12  # the same where one iteration more gets there: flat costs turn ε into √ε of answer
-)
+IN_PLANE = 1e-12  # the same where one iteration more gets there: flat costs turn ε to √ε of answer
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
-ACCEPTED = 1e-7  # gap up to which an answer is not tried again: `conic` is seldom better
+ACCEPTED = 1e-7  # gap up to which an answer is not tried again: others are seldom better
 
 
-def prepare(grips: FloatArray, settings: Settings) -> Solve:
+def prepare(grips: FloatArray, settings: Settings, fall_back: Prepare) -> Solve:
     """Return the solver for any number of applied wrenches at these grips.
 
     Parameters
@@ -59,34 +47,16 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
         ``(..., n, 2)`` or ``(..., n, 3)`` [m], of any batch shape.
     settings
         Torque weight and whether induced torque is costed.
+    fall_back
+        The solver to ask where an answer is not certified.
     """
-    pairs = pair_off_axis.applies(grips)
-    if pairs.all():
-        return pair_off_axis.prepare(grips, settings)
-    return partial(_solve_some if pairs.any() else _solve, grips, settings)
+    return partial(_solve, grips, settings, fall_back)
 
 
-def _solve_some(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
-    """Solve for planar pairs of which some are on the axis and some are not."""
-    batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-    rows, places = _rows(applied, batch), _rows(grips, batch)
-    manipulation, gap = np.empty(rows.shape), np.zeros(len(rows))
-    fell_back = np.zeros(len(rows), dtype=np.bool_)
-    off_axis = pair_off_axis.applies(places)
-    on_axis = ~off_axis
-    solve = pair_off_axis.prepare(places[off_axis], settings)
-    manipulation[off_axis], gap[off_axis] = solve(rows[off_axis])[:2]
-    if settings.solver == "auto":  # as it would choose for these alone
-        manipulation[on_axis] = pair.prepare(places[on_axis], settings)(rows[on_axis]).manipulation
-    else:
-        part = _solve(places[on_axis], settings, rows[on_axis])
-        manipulation[on_axis], gap[on_axis], fell_back[on_axis] = part
-    shape = (*batch, *applied.shape[-2:])
-    return Answer(manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch))
-
-
-def _solve(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
-    """Manipulation wrenches, gaps [N], and where the answer is `conic`'s."""
+def _solve(
+    grips: FloatArray, settings: Settings, fall_back: Prepare, applied: FloatArray
+) -> Answer:
+    """Manipulation wrenches, gaps [N], and where the answer is that of the other solver."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows = _rows(applied, batch)
     places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
@@ -96,10 +66,10 @@ def _solve(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer
     fell_back = np.zeros(len(rows), dtype=np.bool_)
     for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
         place = places[index if len(places) > 1 else 0]
-        answer = _fall_back(rows[index], place, settings, gap[index])
+        answer = _better(fall_back(place, settings), rows[index], gap[index])
         if answer is not None:
             manipulation[index], gap[index] = answer
-            fell_back[index], undercut[index] = True, 0.0  # `conic` has counted its own
+            fell_back[index], undercut[index] = True, 0.0  # the other has counted its own
     gap = gap + undercut
     shape = (*batch, *applied.shape[-2:])
     return Answer(manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch))
@@ -148,12 +118,12 @@ def iterate(
     return manipulation, report
 
 
-def _fall_back(
-    applied: FloatArray, grips: FloatArray, settings: Settings, gap: float
-) -> tuple[FloatArray, float] | None:
-    """Answer of `conic` and its own bound; None where that is not below ``gap``."""
+def _better(solve: Solve, applied: FloatArray, gap: float) -> tuple[FloatArray, float] | None:
+    """Answer of another solver and its own bound [N]; None where that is not below ``gap``."""
     try:
-        answer, bound = conic.answers(grips, settings, applied)[:2]
+        answer = solve(applied)
     except SolverError:
         return None
-    return (answer, float(bound)) if bound is not None and bound < gap else None
+    if answer.gap is None or not answer.gap < gap:
+        return None
+    return answer.manipulation, float(answer.gap)

@@ -18,7 +18,6 @@ def largest_saving(applied, grips, weights):
     d = wrench.decompose(
         applied,
         grips,
-        solver="structured",
         torque_weight=weights.torque,
         include_induced=weights.induced > 0,
     )

@@ -33,7 +33,7 @@ def test_noisy_answers_come_back_to_rounding(dimension, noise):
     for n in (2, 3, 5):
         grips = grips_of_kind(rng, "scattered", n, dimension)
         applied = rng.normal(size=(40, n, 3 * dimension - 3))
-        exact = wrench.decompose(applied, grips, solver="structured")
+        exact = wrench.decompose(applied, grips)
         noisy = exact.internal + noise * rng.normal(size=applied.shape)
         d, saved, cost = mended(noisy, applied, grips)
         assert relative_residuals(d).max() <= 1e-14

@@ -80,7 +80,7 @@ def test_the_optimum_lies_within_the_gap(dimension, include_induced):
         for k, (name, applied) in enumerate(hard_families(rng, 4, n, dimension).items()):
             grips = grips_of_kind(rng, GRIPS[k % 4], n, dimension)
             ours = solve(applied, grips, **settings)
-            exact = wrench.decompose(applied, grips, solver="structured", **settings)
+            exact = wrench.decompose(applied, grips, **settings)
             unit = np.maximum(ours.applied_cost, 1e-300)
             allowed = ours.gap + exact.gap + 1e-9 * unit
             assert (np.abs(ours.cost - exact.cost) <= allowed).all(), name

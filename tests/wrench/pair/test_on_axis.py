@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coopenv import wrench
-from coopenv.errors import InvalidInput
 from coopenv.wrench.answer import Answer
 from tests.wrench.cases import (
     LEVERS,
@@ -200,17 +199,3 @@ def test_with_growing_weight_forces_do_not_fall_and_torques_do_not_rise(levers):
         torque.append(np.abs(manipulation[..., 2]).sum(-1))
     assert (np.diff(force, axis=0) >= -1e-9).all()
     assert (np.diff(torque, axis=0) <= 1e-9).all()
-
-
-@pytest.mark.parametrize(
-    "grips",
-    [
-        [[-0.9, 0.1], [0.9, 0.0]],
-        [[-0.9, 0.0], [0.9, 0.0], [0.0, 0.0]],
-        [[-0.9, 0.0, 0.0], [0.9, 0.0, 0.0]],
-        [[[-0.9, 0.0], [0.9, 0.0]], [[-0.9, 0.1], [0.9, 0.0]]],
-    ],
-)
-def test_other_grips_are_refused(grips):
-    with pytest.raises(InvalidInput, match=r"grips must be two planar positions on one line"):
-        wrench.Decomposer(grips, wrench.Settings(solver="pair"))
