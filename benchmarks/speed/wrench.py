@@ -16,8 +16,7 @@ import numpy as np
 
 from coopenv import wrench
 from coopenv.arrays import FloatArray
-from coopenv.wrench.measure_kernels import level_kernel
-from coopenv.wrench.measures import share_of_load
+from coopenv.wrench.measures import level_kernel, share_of_load
 
 REPEATS = 15
 BATCHES = (1, 100, 100_000)

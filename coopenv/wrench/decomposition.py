@@ -16,8 +16,7 @@ from coopenv.wrench.grasp import (
     sum_at_centre,
     wrench_size,
 )
-from coopenv.wrench.measure_kernels import level_kernel
-from coopenv.wrench.measures import EnergyShare, LoadShare
+from coopenv.wrench.measures import EnergyShare, LoadShare, level_kernel
 from coopenv.wrench.methods import METHODS
 from coopenv.wrench.settings import Settings
 

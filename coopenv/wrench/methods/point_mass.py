@@ -5,7 +5,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.grasp import moment
-from coopenv.wrench.measure_kernels import load_share_kernel
+from coopenv.wrench.measures import load_share_kernel
 from coopenv.wrench.settings import Settings
 
 

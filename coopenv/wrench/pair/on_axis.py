@@ -15,14 +15,32 @@ torque costs the same through forces and by itself; the cost never does.
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction to one dimension is our own.
 """
 
+from math import sqrt
+from typing import NamedTuple
+
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
+from coopenv.compiled import TINY, compiled, gufunc
 from coopenv.wrench.answer import Answer, Solve
-from coopenv.wrench.pair.on_axis_kernel import decompose_pair
+from coopenv.wrench.pair.bracketed_root import root_of
+from coopenv.wrench.pair.lens import (
+    LEVEL,
+    TIE,
+    chord,
+    heights_on_axis,
+    heron_in_lens,
+    in_frame,
+    nonzero,
+    remainder,
+    resolution,
+    vertex,
+    write,
+)
 from coopenv.wrench.settings import Settings
 
 ON_AXIS = 1e-12  # distance from the line that counts as rounding, relative to the longest lever
+VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
 
 
 def prepare(grips: FloatArray, settings: Settings) -> Solve:
@@ -35,11 +53,11 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     settings
         Torque weight and whether induced torque is costed.
     """
-    axis = _axis(grips)
+    axis = frame(grips)
     weights = np.array([settings.torque_weight, float(settings.include_induced)])
 
     def solve(applied: FloatArray) -> Answer:
-        return Answer(decompose_pair(applied, axis, weights))
+        return Answer(decompose_on_axis(applied, axis, weights))
 
     return solve
 
@@ -54,7 +72,7 @@ def applies(grips: FloatArray) -> BoolArray:
     return np.asarray(area <= ON_AXIS * length.max(axis=-1) ** 2)
 
 
-def _axis(grips: FloatArray) -> FloatArray:
+def frame(grips: FloatArray) -> FloatArray:
     """Direction of the line (towards the farther grip) and both signed levers ``(..., 4)`` [m]."""
     length = np.hypot(grips[..., 0], grips[..., 1])
     longest = length.max(axis=-1, keepdims=True)
@@ -64,3 +82,158 @@ def _axis(grips: FloatArray) -> FloatArray:
     lever = (grips * direction[..., None, :]).sum(axis=-1)
     lever = np.where(length <= ON_AXIS * longest, 0.0, lever)
     return np.concatenate([direction, lever], axis=-1)
+
+
+class Prices(NamedTuple):
+    """What a unit costs."""
+
+    force: float  # 1 − w
+    induced1: float  # of v, for the torque it induces at effector 1
+    induced2: float
+    torque: float  # of v, for the pure torque it leaves
+
+
+class Piece(NamedTuple):
+    """What stays the same between two kinks of the cost."""
+
+    low_is_1: bool  # whether the arc of effector 1 bounds the lens on the left
+    high_is_1: bool  # on the right
+    sign1: float  # of the force that is left to effector 1 across the line
+    sign2: float
+    sign_torque: float  # of the pure torque T(v)
+
+
+class Case(NamedTuple):
+    """All that the slope of the cost depends on, beside v."""
+
+    forces: tuple[float, float, float, float]  # f_1 and f_2
+    prices: Prices
+    piece: Piece
+
+
+@compiled
+def _arc(v, dx, dy, side):
+    """Right (side 1) or left (-1) end of a disc at height v, and the unit tangent upwards there."""
+    left, right = chord(v, dx, dy)
+    radius = max(0.5 * sqrt(dx * dx + dy * dy), TINY)
+    tangent_x = side * (0.5 * dy - v) / radius
+    tangent_y = sqrt(max(0.25 * dx * dx + v * (dy - v), 0.0)) / radius
+    return (right if side > 0.0 else left), tangent_x, tangent_y
+
+
+@compiled
+def _direction(x, y, tangent_x, tangent_y, sign):
+    """Unit vector of a force; one that vanishes does so along the tangent."""
+    force = sqrt(x * x + y * y)
+    per_force = 1.0 / max(force, VANISHED)
+    if force > VANISHED:
+        return x * per_force, y * per_force
+    return sign * tangent_x, sign * tangent_y
+
+
+@compiled
+def _slope(v, case):
+    """Derivative of the cost along the path (best u(v), v), of the sign of d cost / d v.
+
+    Where the path runs along an arc it is taken per unit of arc length, which keeps it finite
+    where the arc is level.
+    """
+    f1x, f1y, f2x, f2y = case.forces
+    prices, piece = case.prices, case.piece
+    sign1, sign2 = piece.sign1, piece.sign2
+    climb = -prices.induced1 * sign1 + prices.induced2 * sign2 + prices.torque * piece.sign_torque
+    across1, across2 = f1y - v, f2y + v
+    for side in (1.0, -1.0):
+        first = piece.high_is_1 if side > 0.0 else piece.low_is_1
+        dx, dy = (f1x, f1y) if first else (-f2x, -f2y)
+        u, tx, ty = _arc(v, dx, dy, side)
+        e1x, e1y = _direction(f1x - u, across1, tx, ty, sign1)
+        e2x, e2y = _direction(f2x + u, across2, tx, ty, sign2)
+        if side * (e2x - e1x) < -LEVEL:  # the cost falls beyond the arc: the path is on it
+            return prices.force * ((e2x - e1x) * tx + (e2y - e1y) * ty) + climb * ty
+    along, rise = f1x + f2x, abs(across1) + abs(across2)
+    length = sqrt(along * along + rise * rise)
+    steepness = (rise + TINY) / (length + TINY)  # 1 where both vanish
+    return prices.force * (sign2 - sign1) * steepness + climb
+
+
+_root = root_of(_slope)
+
+
+@compiled
+def _ordered(a, b):
+    return min(a, b), max(a, b)
+
+
+@compiled
+def _edges(forces, low, high, no_torque, a1, a2):
+    """Ends and kinks of the cost in ascending order; kinks outside fall on an end."""
+    k1, k2 = _ordered(min(max(no_torque, low), high), min(max(vertex(forces), low), high))
+    if a1 != 0.0 and a2 != 0.0:  # then forces keep their sign across the line, and so does v
+        return (low, k1, k2, high, high, high, high)
+    no_f1y, no_f2y = min(max(forces[1], low), high), min(max(-forces[3], low), high)
+    k3, k4 = _ordered(no_f1y, no_f2y)
+    k5 = min(max(0.0, low), high)
+    k1, k3 = _ordered(k1, k3)  # merge two sorted pairs,
+    k2, k4 = _ordered(k2, k4)
+    k2, k3 = _ordered(k2, k3)
+    k4, k5 = _ordered(k4, k5)  # and let the fifth sink to its place
+    k3, k4 = _ordered(k3, k4)
+    k2, k3 = _ordered(k2, k3)
+    k1, k2 = _ordered(k1, k2)
+    return (low, k1, k2, k3, k4, k5, high)
+
+
+@compiled
+def _piece(forces, applied_torque, lever, v):
+    """Piece of the cost that contains v."""
+    f1x, f1y, f2x, f2y = forces
+    low1, high1 = chord(v, f1x, f1y)
+    low2, high2 = chord(v, -f2x, -f2y)
+    sign1 = 1.0 if f1y - v > 0.0 else -1.0
+    sign2 = 1.0 if f2y + v > 0.0 else -1.0
+    sign_torque = 1.0 if applied_torque + lever * v > 0.0 else -1.0
+    return Piece(low1 >= low2, high1 <= high2, sign1, sign2, sign_torque)
+
+
+@compiled
+def _minimise(forces, prices, applied_torque, a1, a2, low, high):
+    """Minimiser v of the convex cost on [low, high]; exact where it is a kink or an end."""
+    lever = a1 - a2
+    edges = _edges(forces, low, high, -applied_torque / nonzero(lever), a1, a2)
+    for k in range(6):
+        left, right = edges[k], edges[k + 1]
+        if right <= left:
+            continue
+        case = Case(forces, prices, _piece(forces, applied_torque, lever, 0.5 * (left + right)))
+        slope_left = _slope(left, case)
+        if slope_left >= 0.0:
+            return left
+        slope_right = _slope(right, case)
+        if slope_right > 0.0:
+            fine = resolution(forces, lever)
+            return _root(left, slope_left, right, slope_right, case, fine)
+    return high
+
+
+@compiled
+def _solve(forces, torques, a1, a2, w, induced):
+    """Best internal force (u, v) on effector 1 and the pure torque T that remains needed."""
+    lever, applied_torque = a1 - a2, torques[0] + torques[1]
+    low, high = heights_on_axis(forces, torques, a1, a2)
+    prices = Prices(1.0 - w, induced * w * abs(a1), induced * w * abs(a2), w * (1.0 + TIE) * lever)
+    v = low
+    if high > low:
+        v = _minimise(forces, prices, applied_torque, a1, a2, low, high)
+    return heron_in_lens(v, forces), v, remainder(applied_torque, lever * v)
+
+
+@gufunc("(n,k),(a),(p)->(n,k)", "void(float64[:,:], float64[:], float64[:], float64[:,:])")
+def decompose_on_axis(applied, axis, weights, manipulation):
+    """Write the manipulation wrench of one sample.
+
+    ``axis`` is what `frame` says of the grips, ``weights`` are w and s.
+    """
+    forces, torques, scale = in_frame(applied, axis)
+    u, v, torque = _solve(forces, torques, axis[2], axis[3], weights[0], weights[1])
+    write(applied, axis, u, v, torques, torque, scale, manipulation)

@@ -15,9 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.wrench.measure_kernels import load_share_kernel
-from coopenv.wrench.pair.on_axis import _axis
-from coopenv.wrench.pair.on_axis_kernel import decompose_pair
+from coopenv.wrench.measures import load_share_kernel
+from coopenv.wrench.pair.on_axis import decompose_on_axis, frame
 from coopenv.wrench.synthesis.polynomials import product, real_roots
 from coopenv.wrench.synthesis.wish import internal_miss, into_frame, out_of_frame
 
@@ -62,7 +61,7 @@ def find(
     weights
         w and s of the cost.
     """
-    axis = _axis(grips)
+    axis = frame(grips)
     wish = Wish(
         into_frame(wanted[:, :2], axis),
         wanted[:, 2],
@@ -249,7 +248,7 @@ def _best(applied: FloatArray, internal: FloatArray, good: BoolArray, wish: Wish
     tried = applied[sample, candidate]
     axis = np.zeros((len(tried), 4))
     axis[:, 0], axis[:, 2:] = 1.0, wish.lever[sample]
-    found = tried - decompose_pair(tried, axis, np.array(wish.weights))
+    found = tried - decompose_on_axis(tried, axis, np.array(wish.weights))
     size = np.abs(tried).max(axis=(-1, -2))
     length = np.abs(wish.lever).max(axis=-1)[sample]
     size[internal_miss(found, internal[sample, 0], tried, length) > FOUND] = np.inf

@@ -11,8 +11,7 @@ What keeps plausibility and shares is decomposed, and what comes back as wanted 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
-from coopenv.wrench.pair.off_axis import frame
-from coopenv.wrench.pair.off_axis_kernel import decompose_off_axis
+from coopenv.wrench.pair.off_axis import decompose_off_axis, frame
 from coopenv.wrench.synthesis import points as synthesis_points
 from coopenv.wrench.synthesis.points import PlanarWish, cross, keeping, torque_left
 from coopenv.wrench.synthesis.wish import Wish, internal_miss, into_frame, out_of_frame, share_miss

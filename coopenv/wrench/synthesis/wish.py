@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
-from coopenv.wrench.measure_kernels import load_share_kernel
+from coopenv.wrench.measures import load_share_kernel
 from coopenv.wrench.settings import Settings
 
 
