@@ -1,1 +1,1 @@
-"""Wrenches with a wanted resultant, shares and internal part: the decomposition turned around."""
+"""Synthesis of wrenches with a wanted resultant, load shares and internal wrench."""

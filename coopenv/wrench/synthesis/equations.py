@@ -1,10 +1,9 @@
-"""Equations of wished-for shares with nothing internal, and their derivatives.
+"""Equations of load shares without internal wrench, and their derivatives; `twist` derives them.
 
-Where `synthesis_twist` takes them from is said there. Of every effector three parts count, each a
-factor, at least 0, times a linear function of the twist: forces along the lever (C = A − B), forces
-(B) and torque (T). The equations say that all parts add up to the wish, and that each effector's
-parts along f_o and t_o are its shares. Where a share is 0, less may be, and the others make up for
-it: a slack for each, and an excess that the others share, are further factors.
+Of every effector three parts count: forces along the lever (C = A − B), forces (B) and torque (T).
+Each is a factor, at least 0, times a linear function of the twist. All parts add up to the wish,
+and each effector's parts along f_o and t_o are its shares. Where a share is 0, less may be, and the
+others make up for it: a slack for each, and an excess that the others share, are further factors.
 """
 
 from typing import NamedTuple
@@ -17,8 +16,8 @@ from coopenv.wrench.grasp import grasp_matrix
 LEAST_AMOUNT = 1e-2  # shares below which an effector's equations are not scaled up any more
 
 
-class Wishes(NamedTuple):
-    """One system of equations a row, in units of the wish and of the longest lever."""
+class TwistWish(NamedTuple):
+    """Wishes ``(batch, ...)`` in units of the resultant and of the longest lever."""
 
     wrench: FloatArray  # (batch, k)
     amount: FloatArray  # (batch, n), the unit of each effector's equations and factors
@@ -27,9 +26,9 @@ class Wishes(NamedTuple):
     share: FloatArray  # (batch, 2, n), in units of amount, 0 where open
     none: FloatArray  # (batch, 2, n), 1 where a share is 0 and less may be
 
-    def rows(self, which: BoolArray) -> "Wishes":
-        """Some of the systems."""
-        return Wishes(*(part[which] for part in self))
+    def rows(self, which: BoolArray) -> "TwistWish":
+        """Some of the wishes."""
+        return TwistWish(*(part[which] for part in self))
 
 
 class State(NamedTuple):
@@ -47,8 +46,8 @@ class State(NamedTuple):
 
 def set_up(
     wrench: FloatArray, grips: FloatArray, force_share: FloatArray, torque_share: FloatArray
-) -> Wishes:
-    """Equations of wishes ``(batch, ...)``, in units of the wish and of the longest lever."""
+) -> TwistWish:
+    """Wishes in the form of their equations; arguments ``(batch, ...)`` in units of `TwistWish`."""
     dimension = grips.shape[-1]
     share = np.stack([force_share, torque_share], axis=1)
     asked = ~np.isnan(share)
@@ -61,7 +60,7 @@ def set_up(
     length = np.linalg.norm(direction, axis=-1, keepdims=True)
     direction *= asked[..., :1] / np.where(length > 0.0, length, 1.0)
     known = known / amount[:, None]
-    return Wishes(wrench, amount, _parts(grips), direction, known, (share == 0.0) * 1.0)
+    return TwistWish(wrench, amount, _parts(grips), direction, known, (share == 0.0) * 1.0)
 
 
 def _parts(grips: FloatArray) -> FloatArray:
@@ -82,30 +81,30 @@ def _parts(grips: FloatArray) -> FloatArray:
     return parts
 
 
-def state(wishes: Wishes, twist: FloatArray, factors: FloatArray) -> State:
+def state(wish: TwistWish, twist: FloatArray, factors: FloatArray) -> State:
     """By how much twists and factors miss wishes, and the derivatives."""
-    batch, _, num_effectors = wishes.share.shape
+    batch, _, num_effectors = wish.share.shape
     size = twist.shape[-1]
     own = factors[:, : 3 * num_effectors].reshape(batch, num_effectors, 3)
-    by_factor = np.einsum("bijkl,bl->bijk", wishes.parts, twist)
-    by_twist = np.einsum("bijkl,bij->bikl", wishes.parts, own)
+    by_factor = np.einsum("bijkl,bl->bijk", wish.parts, twist)
+    by_twist = np.einsum("bijkl,bij->bikl", wish.parts, own)
     at_centre = np.einsum("bijk,bij->bik", by_factor, own)  # in units of amount
     residual = np.zeros((batch, size + 2 * num_effectors))
     slope = np.zeros((batch, residual.shape[-1], size + factors.shape[-1]))
-    residual[:, :size] = np.einsum("bi,bik->bk", wishes.amount, at_centre) - wishes.wrench
-    slope[:, :size, :size] = np.einsum("bi,bikl->bkl", wishes.amount, by_twist)
-    columns = np.einsum("bi,bijk->bkij", wishes.amount, by_factor)
+    residual[:, :size] = np.einsum("bi,bik->bk", wish.amount, at_centre) - wish.wrench
+    slope[:, :size, :size] = np.einsum("bi,bikl->bkl", wish.amount, by_twist)
+    columns = np.einsum("bi,bijk->bkij", wish.amount, by_factor)
     slope[:, :size, size : size + 3 * num_effectors] = columns.reshape(
         batch, size, 3 * num_effectors
     )
     result = State(twist, factors, residual, slope)
     for kind in range(2):
-        _share_equations(wishes, result, kind, (at_centre, by_twist, by_factor))
+        _share_equations(wish, result, kind, (at_centre, by_twist, by_factor))
     return result
 
 
 def _share_equations(
-    wishes: Wishes, state: State, kind: int, parts: tuple[FloatArray, FloatArray, FloatArray]
+    wish: TwistWish, state: State, kind: int, parts: tuple[FloatArray, FloatArray, FloatArray]
 ) -> None:
     """Write by how much the parts along f_o (kind 0) or t_o miss the shares, to the state.
 
@@ -113,8 +112,8 @@ def _share_equations(
     """
     at_centre, by_twist, by_factor = parts
     num_effectors, size = at_centre.shape[1:]
-    direction, share, none = (part[:, kind] for part in wishes[3:])
-    whole = np.einsum("bk,bk->b", direction, wishes.wrench)
+    direction, share, none = (part[:, kind] for part in (wish.direction, wish.share, wish.none))
+    whole = np.einsum("bk,bk->b", direction, wish.wrench)
     surplus = -share * none.any(axis=-1, keepdims=True)
     each = np.arange(num_effectors)
     rows = size + kind * num_effectors + each

@@ -1,4 +1,4 @@
-"""Wished-for wrenches of two planar effectors on one line through the centre of mass.
+"""Synthesis for two planar effectors on one line through the centre of mass.
 
 In the frame of the line let F be the wanted resultant force, g = (u, v) the wanted internal force
 on effector 1, and p = (x, y) the manipulation force of effector 1, F − p that of effector 2. What
@@ -18,15 +18,15 @@ from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench.measures import load_share_kernel
 from coopenv.wrench.pair.on_axis import decompose_on_axis, frame
 from coopenv.wrench.synthesis.polynomials import product, real_roots
-from coopenv.wrench.synthesis.wish import internal_miss, into_frame, out_of_frame
+from coopenv.wrench.synthesis.wish import Wish, internal_miss, into_frame, out_of_frame
 
 NUM_PATHS = 6
 ALLOWED = 1e-9  # by how much a candidate may miss plausibility or shares before it is decomposed
 FOUND = 1e-7  # by how much its decomposition may miss what is wanted, relative to the wrench
 
 
-class Wish(NamedTuple):
-    """What is wanted in the frame of the line, one sample a row; shares are NaN where open."""
+class PairWish(NamedTuple):
+    """Wishes ``(batch, ...)`` in the frame of the line; shares are NaN where open."""
 
     force: FloatArray  # F (batch, 2) [N]
     torque: FloatArray  # t_o (batch,) [N·m]
@@ -37,50 +37,35 @@ class Wish(NamedTuple):
     lever: FloatArray  # a (batch, 2) [m]
     weights: tuple[float, float]  # w, s
 
+    def rows(self, which: BoolArray) -> "PairWish":
+        """Some of the wishes."""
+        return PairWish(*(part[which] for part in self[:-1]), self.weights)  # pyright: ignore
 
-def find(
-    wanted: FloatArray,
-    grips: FloatArray,
-    internal: FloatArray,
-    force_share: FloatArray,
-    torque_share: FloatArray,
-    weights: tuple[float, float],
-) -> FloatArray:
-    """Applied wrenches ``(batch, 2, 3)`` that decompose as wanted; NaN where there are none.
 
-    Parameters
-    ----------
-    wanted
-        Object wrenches ``(batch, 3)`` [N, N·m].
-    grips
-        ``(batch, 2, 2)`` on a line through the centre of mass [m].
-    internal
-        ``(batch, 2, 3)``, balancing [N, N·m].
-    force_share, torque_share
-        Of the first effector, ``(batch,)``, NaN where open.
-    weights
-        w and s of the cost.
+def find(wish: Wish) -> FloatArray:
+    """Smallest wrenches ``(batch, 2, 3)`` found that decompose as wanted; NaN where none is.
+
+    The grips must be two planar positions on a line through the centre of mass.
     """
-    axis = frame(grips)
-    wish = Wish(
-        into_frame(wanted[:, :2], axis),
-        wanted[:, 2],
-        into_frame(internal[:, 0, :2], axis),
-        internal[..., 2],
-        force_share,
-        torque_share,
+    axis = frame(wish.grips)
+    wanted = PairWish(
+        into_frame(wish.object_wrench[:, :2], axis),
+        wish.object_wrench[:, 2],
+        into_frame(wish.internal[:, 0, :2], axis),
+        wish.internal[..., 2],
+        wish.force_share[:, 0],
+        wish.torque_share[:, 0],
         axis[:, 2:],
-        weights,
+        (wish.settings.torque_weight, float(wish.settings.include_induced)),
     )
-    answer = _search(wish, thorough=False)
+    answer = _search(wanted, thorough=False)
     missing = np.isnan(answer[:, 0, 0])
     if missing.any():
-        rest = wish._replace(**{name: getattr(wish, name)[missing] for name in Wish._fields[:-1]})
-        answer[missing] = _search(rest, thorough=True)
+        answer[missing] = _search(wanted.rows(missing), thorough=True)
     return out_of_frame(answer, axis)
 
 
-def _search(wish: Wish, thorough: bool) -> FloatArray:
+def _search(wish: PairWish, thorough: bool) -> FloatArray:
     """Answers in the frame of the line; a thorough search tries more levels."""
     part = np.stack([wish.internal, -wish.internal], axis=1)
     internal = np.concatenate([part, wish.internal_torque[..., None]], axis=-1)[:, None]
@@ -93,7 +78,7 @@ def _search(wish: Wish, thorough: bool) -> FloatArray:
     return _best(applied, internal, good, wish)
 
 
-def _candidates(wish: Wish, thorough: bool) -> FloatArray:
+def _candidates(wish: PairWish, thorough: bool) -> FloatArray:
     """Manipulation wrenches worth trying, ``(batch, candidate, 2, 3)``."""
     fx, fy = wish.force[:, :1], wish.force[:, 1:]
     a1, a2 = wish.lever[:, :1], wish.lever[:, 1:]
@@ -109,7 +94,7 @@ def _candidates(wish: Wish, thorough: bool) -> FloatArray:
     return np.concatenate(found, axis=1)
 
 
-def _path(path: int, y: FloatArray, wish: Wish) -> FloatArray:
+def _path(path: int, y: FloatArray, wish: PairWish) -> FloatArray:
     """X component of p at height y ``(batch, level)``, see the module's docstring."""
     fx, fy = wish.force[:, :1], wish.force[:, 1:]
     u, v = wish.internal[:, :1], wish.internal[:, 1:]
@@ -126,7 +111,7 @@ def _path(path: int, y: FloatArray, wish: Wish) -> FloatArray:
     return fx * (path - 4.0) + 0.0 * y
 
 
-def _torque_splits(y: FloatArray, torque: FloatArray, wish: Wish) -> list[FloatArray]:
+def _torque_splits(y: FloatArray, torque: FloatArray, wish: PairWish) -> list[FloatArray]:
     """Pure torques of effector 1: all, none, in proportion to the internal ones, by share, half."""
     v, a1 = wish.internal[:, 1:], wish.lever[:, :1]
     own, both = wish.internal_torque[:, :1], wish.internal_torque.sum(axis=-1, keepdims=True)
@@ -134,7 +119,7 @@ def _torque_splits(y: FloatArray, torque: FloatArray, wish: Wish) -> list[FloatA
     return [torque, 0.0 * torque, torque * (own / both), shared, 0.5 * torque]
 
 
-def _levels(path: int, wish: Wish, thorough: bool) -> FloatArray:
+def _levels(path: int, wish: PairWish, thorough: bool) -> FloatArray:
     """Heights y on a path where some condition changes, and heights between ``(batch, level)``."""
     fx, fy = wish.force[:, 0], wish.force[:, 1]
     a1, a2 = wish.lever[:, 0], wish.lever[:, 1]
@@ -160,7 +145,7 @@ def _levels(path: int, wish: Wish, thorough: bool) -> FloatArray:
     return np.concatenate([sorted_levels, between, *beyond], axis=-1)
 
 
-def _share_levels(path: int, wish: Wish) -> list[FloatArray]:
+def _share_levels(path: int, wish: PairWish) -> list[FloatArray]:
     """Where the force share is the wanted one: (x(y) + u) F_x + (y + v) F_y = α‖F‖²."""
     fx, fy = wish.force[:, 0], wish.force[:, 1]
     square = fx**2 + fy**2
@@ -176,7 +161,7 @@ def _share_levels(path: int, wish: Wish) -> list[FloatArray]:
     return [(rest - at_zero * fx) / (slope * fx + fy)]
 
 
-def _priced_levels(path: int, wish: Wish) -> list[FloatArray]:
+def _priced_levels(path: int, wish: PairWish) -> list[FloatArray]:
     """Where torque costs the same through forces and by itself, so that both may be in use."""
     w, induced = wish.weights
     fx, fy = wish.force[:, 0], wish.force[:, 1]
@@ -195,7 +180,7 @@ def _priced_levels(path: int, wish: Wish) -> list[FloatArray]:
     return [level for price in prices for level in _levels_on_ball(path, price, wish)]
 
 
-def _levels_on_ball(path: int, price: FloatArray, wish: Wish) -> list[FloatArray]:
+def _levels_on_ball(path: int, price: FloatArray, wish: PairWish) -> list[FloatArray]:
     """Stationary points on the edge of a ball, where y is worth ``price``.
 
     One force is ρ n, across g; the other is F − ρ n. Along the ball's tangent |g| n − ρ g/|g| the
@@ -222,7 +207,7 @@ def _levels_on_ball(path: int, price: FloatArray, wish: Wish) -> list[FloatArray
     return found
 
 
-def _is_plausible(manipulation: FloatArray, internal: FloatArray, wish: Wish) -> BoolArray:
+def _is_plausible(manipulation: FloatArray, internal: FloatArray, wish: PairWish) -> BoolArray:
     """Whether x_Iᵀ x_M ≥ 0 for forces, induced and pure torques (eqs. 9-11)."""
     largest = np.abs(manipulation).max(axis=(-1, -2)) + np.abs(internal).max(axis=(-1, -2))
     allowed = (ALLOWED * largest**2)[..., None]
@@ -233,7 +218,7 @@ def _is_plausible(manipulation: FloatArray, internal: FloatArray, wish: Wish) ->
     return np.asarray(good.all(axis=-1) & np.isfinite(manipulation).all(axis=(-1, -2)))
 
 
-def _has_shares(applied: FloatArray, line: FloatArray, wish: Wish) -> BoolArray:
+def _has_shares(applied: FloatArray, line: FloatArray, wish: PairWish) -> BoolArray:
     good = np.ones(applied.shape[:2], dtype=np.bool_)
     shares = load_share_kernel(np.where(np.isfinite(applied), applied, 0.0), line)
     for share, wanted in zip(shares, (wish.force_share, wish.torque_share), strict=True):
@@ -242,7 +227,7 @@ def _has_shares(applied: FloatArray, line: FloatArray, wish: Wish) -> BoolArray:
     return good
 
 
-def _best(applied: FloatArray, internal: FloatArray, good: BoolArray, wish: Wish) -> FloatArray:
+def _best(applied: FloatArray, internal: FloatArray, good: BoolArray, wish: PairWish) -> FloatArray:
     """Smallest candidate of each sample that decomposes as wanted, NaN where none does."""
     sample, candidate = np.nonzero(good)
     tried = applied[sample, candidate]

@@ -1,19 +1,18 @@
-"""Wishes of two planar effectors off the axis, in their own units, and what fulfils them.
+"""Synthesis for two planar effectors off any line through the centre of mass.
 
 The x axis is laid along D = r_1 − r_2. F is the wanted resultant force, g the wanted internal force
 on effector 1, p the manipulation force of effector 1 and F − p that of effector 2; T(p) is the
-torque that is left to pure torques. Candidates for p come from `synthesis_points`. At each, the
-pure torques are known: an effector that keeps torque of T's sign supplies T, two supply it in
-proportion to what they keep (eq. 23), and only where none keeps any does the torque share say.
-What keeps plausibility and shares is decomposed, and what comes back as wanted is an answer.
+torque that is left to pure torques. Candidates for p come from `points`. At each, the pure torques
+are known: an effector that keeps torque of T's sign supplies T, two supply it in proportion to what
+they keep (eq. 23), and only where none keeps any does the torque share say. What keeps plausibility
+and shares is decomposed, and what comes back as wanted is an answer.
 """
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench.pair.off_axis import decompose_off_axis, frame
-from coopenv.wrench.synthesis import points as synthesis_points
-from coopenv.wrench.synthesis.points import PlanarWish, cross, keeping, torque_left
+from coopenv.wrench.synthesis.points import PlanarWish, cross, keeping, points, torque_left
 from coopenv.wrench.synthesis.wish import Wish, internal_miss, into_frame, out_of_frame, share_miss
 
 ALLOWED = 1e-7  # by how much a candidate may miss plausibility or shares before it is decomposed
@@ -35,7 +34,7 @@ def _find(wish: Wish) -> FloatArray:
     units = _units(wish)
     wanted = _in_frame(wish, axis, units)
     with np.errstate(all="ignore"):  # a candidate that does not exist is NaN or infinite
-        manipulation = _candidates(wanted, synthesis_points.points(wanted))
+        manipulation = _candidates(wanted, points(wanted))
         sample, number = np.nonzero(_is_plausible(wanted, manipulation))
         tried = out_of_frame(manipulation[sample, number], axis[sample]) * units[sample, None]
     tried = tried + wish.internal[sample]

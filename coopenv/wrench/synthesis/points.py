@@ -1,8 +1,8 @@
-"""Where the manipulation force of a planar pair can be, if h_M is optimal for h = h_M + h_I.
+"""Candidates for the manipulation force of a planar pair, where h_M is optimal for h = h_M + h_I.
 
-With p, F − p, g and D as in `synthesis_planar`, e_1 and e_2 the directions of p and F − p, b the
-price of torque in units of that of force, and ω = ±b by the sign of the torque that is left, the
-conditions of optimality are
+With p, F − p, g and D as in `planar`, e_1 and e_2 the directions of p and F − p, b the price of
+torque in units of that of force, and ω = ±b by the sign of the torque that is left, the conditions
+of optimality are
 
     e_1 − e_2 + b (±(r_1 turned) − ±(r_2 turned)) + active constraints = ω (D turned)
 
@@ -26,7 +26,7 @@ POLISH = 3  # Newton steps on a root of the equation whose square was solved
 
 
 class PlanarWish(NamedTuple):
-    """Wishes in their own units, D along x: no force, no lever is much longer than 1."""
+    """Wishes ``(batch, ...)`` in their own units, D along x: no force or lever is much above 1."""
 
     force: FloatArray  # F (batch, 2)
     torque: FloatArray  # t_o (batch,)

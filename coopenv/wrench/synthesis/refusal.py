@@ -1,9 +1,9 @@
-"""Say which part of a wish stands in the way, by trying it without."""
+"""Messages for wishes that cannot be fulfilled: the part in the way, found by trying without it."""
 
 import numpy as np
 
 from coopenv.wrench.measures import load_share_kernel
-from coopenv.wrench.synthesis import search as synthesis_search
+from coopenv.wrench.synthesis import search
 from coopenv.wrench.synthesis.wish import Wish
 
 ROUNDING = 1e-9  # sine of an angle that counts as none
@@ -27,7 +27,7 @@ def why(wish: Wish, sample: int) -> str:
         tried = wish._replace(force_share=shares[0], torque_share=shares[1])
         if _same(tried, wish):
             continue
-        answer, failed = synthesis_search.find(tried)
+        answer, failed = search.find(tried)
         if failed is None:
             found = load_share_kernel(answer, wish.grips)
             return (

@@ -1,20 +1,17 @@
-"""Wished-for wrenches: closed forms first, searches for what they leave, every answer decomposed.
+"""Search for wrenches that fulfil a wish: closed forms first, every answer decomposed.
 
-1. Forces along the resultant (`synthesis_shares`), any number of effectors, nothing internal.
-2. Two planar effectors on a line through the centre of mass (`synthesis_pair`).
-3. Nothing internal otherwise: twists that vouch for a wrench (`synthesis_twist`), more and more.
-4. Internal wrench of two planar effectors off that line: all that can be (`synthesis_planar`).
+1. Forces along the resultant (`shares`), any number of effectors, nothing internal.
+2. Two planar effectors on a line through the centre of mass (`pair`).
+3. Nothing internal otherwise: twists that vouch for a wrench (`twist`), more and more of them.
+4. Internal wrench of two planar effectors off that line: all that can be (`planar`).
 """
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.wrench.decomposition import Decomposer
-from coopenv.wrench.pair import on_axis as pair
-from coopenv.wrench.synthesis import pair as synthesis_pair
-from coopenv.wrench.synthesis import planar as synthesis_planar
-from coopenv.wrench.synthesis import shares as synthesis_shares
-from coopenv.wrench.synthesis import twist as synthesis_twist
+from coopenv.wrench.pair import on_axis
+from coopenv.wrench.synthesis import pair, planar, shares, twist
 from coopenv.wrench.synthesis.wish import Wish, internal_miss, share_miss
 
 FOUND = 1e-7  # by how much an answer may miss what is wanted: shares, and parts of the wrench
@@ -30,19 +27,19 @@ def find(wish: Wish) -> tuple[FloatArray, int | None]:
     ends there.
     """
     applied = _along_resultant(wish)
-    on_axis = np.asarray(pair.applies(wish.grips))
-    rows = np.flatnonzero(_missing(applied) & on_axis)
+    on_line = on_axis.applies(wish.grips)
+    rows = np.flatnonzero(_missing(applied) & on_line)
     if len(rows):
-        applied[rows] = _as_pair(wish.rows(rows))
+        applied[rows] = pair.find(wish.rows(rows))
     internal = wish.internal.any(axis=(-1, -2))
-    rows = np.flatnonzero(_missing(applied) & ~on_axis & internal & wish.searched)
+    rows = np.flatnonzero(_missing(applied) & ~on_line & internal & wish.searched)
     if len(rows):
-        applied[rows] = synthesis_planar.find(wish.rows(rows))
-    impossible = _missing(applied) & (on_axis | internal)
+        applied[rows] = planar.find(wish.rows(rows))
+    impossible = _missing(applied) & (on_line | internal)
     if impossible.any():
         return applied, int(impossible.argmax())
     rows = np.flatnonzero(_missing(applied))
-    entries = ROUNDS[0][0] * synthesis_twist.entries(*wish.internal.shape[1:])
+    entries = ROUNDS[0][0] * twist.entries(*wish.internal.shape[1:])
     at_once = max(int(AT_ONCE / entries), 1)
     for start in range(0, len(rows), at_once):
         failed = _searched(wish, applied, rows[start : start + at_once])
@@ -75,22 +72,15 @@ def _missing(applied: FloatArray) -> BoolArray:
 
 
 def _along_resultant(wish: Wish) -> FloatArray:
-    shares = (wish.force_share, wish.torque_share)
-    applied = synthesis_shares.find(wish.object_wrench, wish.grips, *shares)
+    applied = shares.find(wish.object_wrench, wish.grips, wish.force_share, wish.torque_share)
     missed = share_miss(np.nan_to_num(applied), wish) > FOUND
     applied[missed | wish.internal.any(axis=(-1, -2))] = np.nan
     return applied
 
 
-def _as_pair(wish: Wish) -> FloatArray:
-    weights = (wish.settings.torque_weight, float(wish.settings.include_induced))
-    shares = (wish.force_share[:, 0], wish.torque_share[:, 0])
-    return synthesis_pair.find(wish.object_wrench, wish.grips, wish.internal, *shares, weights)
-
-
 def _from_twists(wish: Wish, number: int) -> FloatArray:
     """Smallest wrench of each sample that a twist vouches for, of a round of starts."""
-    found = synthesis_twist.find(
+    found = twist.find(
         wish.object_wrench,
         wish.grips,
         wish.force_share,

@@ -1,4 +1,4 @@
-"""Wished-for shares of any number of effectors, with nothing internal.
+"""Synthesis without internal wrench in closed form: forces along the resultant.
 
 f_i = α_f,i f_o: parallel forces leave nothing to compensate. The torque that remains for pure
 torques is T = t_o − Σ r_i × f_i, and t_i = β_i T with β_i ≥ 0 leaves nothing either. The torque

@@ -1,4 +1,4 @@
-"""The inverse problem: wrenches that have a wanted resultant, shares and internal wrench."""
+"""Inverse problem of the decomposition: wrenches of a wanted resultant, shares, internal wrench."""
 
 from typing import Any
 
@@ -9,8 +9,7 @@ from coopenv.arrays import FloatArray, finite_array, number_array
 from coopenv.errors import InvalidInput
 from coopenv.wrench.grasp import checked_grips, require_batch, sum_at_centre, wrench_size
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.synthesis import refusal as synthesis_refusal
-from coopenv.wrench.synthesis import search as synthesis_search
+from coopenv.wrench.synthesis import refusal, search
 from coopenv.wrench.synthesis.wish import Wish
 
 ROUNDING = 1e-9  # by how much shares may miss their sum, and an internal wrench its balance
@@ -32,20 +31,15 @@ def synthesize(
 
     - Without internal wrench, any number of effectors in plane and space. Forces along the
       resultant are written down. Where they do not reach the torque shares, wrenches with forces
-      across it are searched. Of 76,000 wishes that random wrenches free of internal wrench fulfil
-      (2 to 10 effectors, generic and in special positions and motions, both shares or one open;
-      16,400 were searched) none is refused, and all come back to 1e-7.
+      across it are searched.
     - With it, two planar effectors: all that an optimum allows is written down, as once the
-      internal force is known every constraint is a line. Of 37,000 wishes that random wrenches
-      fulfil, on and off the axis, both shares given or open, none is refused, and all come back
-      to 1e-7. Internal force along f_o needs an effector that pulls against f_o, whose share is
-      then 0 (eqs. 9, 25); across f_o it goes with any force share where the line allows.
+      internal force is known every constraint is a line. Internal force along f_o needs an effector
+      that pulls against f_o, whose share is then 0 (eqs. 9, 25); across f_o it goes with any force
+      share where the line allows.
 
     Where several splits cost the same, the answer is such that `decompose` returns the wanted one.
-    A sample with internal wrench takes about 10 ms alone, 2 to 7 ms in a batch, in vain 25 to 40 ms
-    with the reason. What is searched without takes 20 to 100 ms alone for two to ten effectors, in
-    batches 3 to 10 ms for two or three; in vain up to 1 s for two or three, 2 s for ten, 11 s for
-    thirty. The first impossible sample of a batch ends the search.
+    The first impossible sample of a batch ends the search. `docs/decomposition.md` says how many
+    wishes are found and how long it takes.
 
     Parameters
     ----------
@@ -97,9 +91,9 @@ def synthesize(
         settings,
     )
     _require_defined(wish)
-    applied, failed = synthesis_search.find(wish)
+    applied, failed = search.find(wish)
     if failed is not None:
-        raise InvalidInput(synthesis_refusal.why(wish.rows(np.array([failed])), failed))
+        raise InvalidInput(refusal.why(wish.rows(np.array([failed])), failed))
     return applied.reshape(*batch, num_effectors, size)
 
 

@@ -1,4 +1,4 @@
-"""Wished-for shares of any number of effectors, with nothing internal: forces across f_o too.
+"""Synthesis without internal wrench where load shares need forces across the resultant, too.
 
 A wrench h is its own manipulation wrench where the conditions of optimality hold at h_M = h: there
 is a twist (a, ω), the multipliers of balance, such that with u_i = a + ω × r_i, e_i = r_i/‖r_i‖
@@ -21,7 +21,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench.synthesis import equations
-from coopenv.wrench.synthesis.equations import State, Wishes
+from coopenv.wrench.synthesis.equations import State, TwistWish
 
 SOLVED = 1e-12  # largest residual of a solution, relative to the wish
 NEARLY = 1e-9  # the same where a wish is only approached, with factors that grow without end
@@ -67,12 +67,12 @@ def find(
     units[:, dimension:] = length[:, None]
     units = units * np.abs(wanted / units).max(axis=-1, keepdims=True)
     shares = (force_share, torque_share)
-    wishes = equations.set_up(wanted / units, grips / length[:, None, None], *shares)
-    wishes = Wishes(*(np.repeat(part, num_starts, axis=0) for part in wishes))
-    twist, factors = _solve(wishes, *_starts(wishes, num_starts, seed), num_steps)
+    wish = equations.set_up(wanted / units, grips / length[:, None, None], *shares)
+    wish = TwistWish(*(np.repeat(part, num_starts, axis=0) for part in wish))
+    twist, factors = _solve(wish, *_starts(wish, num_starts, seed), num_steps)
     factors = factors[:, : 3 * num_effectors].reshape(-1, num_effectors, 3)
-    factors = factors * wishes.amount[..., None]
-    applied = np.einsum("bijkl,bl,bij->bik", wishes.parts, twist, factors)
+    factors = factors * wish.amount[..., None]
+    applied = np.einsum("bijkl,bl,bij->bik", wish.parts, twist, factors)
     applied[..., dimension:] = factors[..., 2:] * twist[:, None, dimension:]
     return applied.reshape(batch, num_starts, num_effectors, size) * units[:, None, None]
 
@@ -82,33 +82,33 @@ def entries(num_effectors: int, size: int) -> int:
     return (size + 2 * num_effectors) * (size + 5 * num_effectors + 2)
 
 
-def _starts(wishes: Wishes, num_starts: int, seed: int) -> tuple[FloatArray, FloatArray]:
+def _starts(wish: TwistWish, num_starts: int, seed: int) -> tuple[FloatArray, FloatArray]:
     """Twists in all directions, and factors: alike, or for every other start of all sizes.
 
     No twist that would take power from the object, as every effector gives some, f_i·u_i ≥ 0.
     """
-    num_effectors, size = wishes.share.shape[-1], wishes.wrench.shape[-1]
+    num_effectors, size = wish.share.shape[-1], wish.wrench.shape[-1]
     rng = np.random.default_rng(seed)
-    num_wishes = len(wishes.wrench) // num_starts
+    num_wishes = len(wish.wrench) // num_starts
     shape = (num_starts, 5 * num_effectors + 2)
     factors = rng.uniform(0.1, 0.6, shape)
     factors[1::2] = 10.0 ** rng.uniform(-2.0, 1.0, shape)[1::2]
     factors = np.tile(factors, (num_wishes, 1))
     twist = np.tile(rng.normal(size=(num_starts, size)), (num_wishes, 1))
     twist *= np.sqrt(size) / np.linalg.norm(twist, axis=-1, keepdims=True)
-    power = (twist * wishes.wrench).sum(axis=-1, keepdims=True)
+    power = (twist * wish.wrench).sum(axis=-1, keepdims=True)
     return np.where(power < 0.0, -twist, twist), factors
 
 
 def _solve(
-    wishes: Wishes, twist: FloatArray, factors: FloatArray, num_steps: int
+    wish: TwistWish, twist: FloatArray, factors: FloatArray, num_steps: int
 ) -> tuple[FloatArray, FloatArray]:
     """Run all systems until each is solved or out of steps; NaN if unsolved."""
     twists, all_factors = np.full_like(twist, np.nan), np.full_like(factors, np.nan)
     active = np.arange(len(twist))
     damping = np.full(len(twist), 1e-2)
     before = np.full(len(twist), np.inf)
-    state = equations.state(wishes, twist, factors)
+    state = equations.state(wish, twist, factors)
     for step in range(num_steps + 1):
         missed = np.abs(state.residual).max(axis=-1)
         leaving = (missed <= SOLVED) | (damping > STUCK) | (step == num_steps)
@@ -121,17 +121,17 @@ def _solve(
         all_factors[active[solved]] = state.factors[solved]
         if leaving.any():
             keep = ~leaving
-            wishes, state = wishes.rows(keep), state.rows(keep)
+            wish, state = wish.rows(keep), state.rows(keep)
             active, damping, before = active[keep], damping[keep], before[keep]
         if not len(active):
             break
-        tried = _stepped(wishes, state, damping)
+        tried = _stepped(wish, state, damping)
         state, better = _better(tried, state)
         damping = np.where(better, np.maximum(EASIER * damping, 1e-6), HARDER * damping)
     return twists, all_factors
 
 
-def _stepped(wishes: Wishes, state: State, damping: FloatArray) -> State:
+def _stepped(wish: TwistWish, state: State, damping: FloatArray) -> State:
     """Take one step of twists and factors, and one of the factors alone."""
     size = state.twist.shape[-1]
     square = (state.residual**2).sum(axis=-1)
@@ -140,11 +140,11 @@ def _stepped(wishes: Wishes, state: State, damping: FloatArray) -> State:
     twist = state.twist + step[:, :size]
     factors = np.maximum(state.factors + step[:, size:], 0.0)
     length = np.linalg.norm(twist, axis=-1, keepdims=True) / np.sqrt(size)
-    factors[:, : 3 * wishes.share.shape[-1]] *= length
-    tried = equations.state(wishes, twist / length, factors)
+    factors[:, : 3 * wish.share.shape[-1]] *= length
+    tried = equations.state(wish, twist / length, factors)
     step = _bounded_step(tried.residual, tried.slope[..., size:], tried.factors, square)
     factors = np.maximum(tried.factors + step, 0.0)
-    return _better(equations.state(wishes, tried.twist, factors), tried)[0]
+    return _better(equations.state(wish, tried.twist, factors), tried)[0]
 
 
 def _better(one: State, other: State) -> tuple[State, BoolArray]:

@@ -1,4 +1,4 @@
-"""What is wanted of effectors, many wishes at once."""
+"""Wishes, in batches: a resultant, load shares and an internal wrench that are asked for."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from coopenv.wrench.settings import Settings
 
 
 class Wish(NamedTuple):
-    """What is wanted, one sample a row; shares are NaN where open."""
+    """Wishes as they are asked for, one sample a row; shares are NaN where open."""
 
     object_wrench: FloatArray  # (batch, k) [N, N·m]
     grips: FloatArray  # (batch, n, d) [m]

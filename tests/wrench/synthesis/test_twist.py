@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from coopenv import wrench
 from coopenv.errors import InvalidInput
-from coopenv.wrench.synthesis import search as synthesis_search
-from coopenv.wrench.synthesis import shares as synthesis_shares
-from coopenv.wrench.synthesis import twist as synthesis_twist
+from coopenv.wrench.synthesis import search
+from coopenv.wrench.synthesis.shares import find as find_along_resultant
+from coopenv.wrench.synthesis.wish import Wish
 from tests.wrench.synthesis.cases import (
     GRIPS,
     MOTIONS,
@@ -38,7 +38,7 @@ def wishes_across(seed, count, team):
     """Reachable wishes that forces along the resultant do not fulfil."""
     applied, grips = without_internal_part(np.random.default_rng(seed), count, *team)
     wanted, shares = wrench.object_wrench(applied, grips), wrench.load_share(applied, grips)
-    simple = synthesis_shares.find(wanted, grips, *shares)
+    simple = find_along_resultant(wanted, grips, *shares)
     across = np.isnan(simple).any(axis=(-1, -2))
     return wanted[across], grips[across], shares.force[across], shares.torque[across]
 
@@ -149,7 +149,7 @@ def test_a_trio_that_few_starts_serve_comes_back():
 def test_an_impossible_wish_is_refused_before_the_rest_of_its_batch_is_searched(monkeypatch):
     impossible = np.array([0, 9, 0.1]), [0.5, 0.25, 0.25], [0, 0.5, 0.5]
     grips = np.array([[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]])
-    whole = synthesis_search.Wish(
+    whole = Wish(
         np.tile(impossible[0], (2000, 1)),
         np.tile(grips, (2000, 1, 1)),
         np.zeros((2000, 3, 3)),
@@ -159,13 +159,12 @@ def test_an_impossible_wish_is_refused_before_the_rest_of_its_batch_is_searched(
     )
     searched = []
     monkeypatch.setattr(
-        synthesis_twist,
-        "find",
+        "coopenv.wrench.synthesis.twist.find",
         lambda wanted, grips, force, torque, starts, steps, seed: (
             searched.append(len(wanted)) or np.full((len(wanted), starts, 3, 3), np.nan)
         ),
     )
-    assert synthesis_search.find(whole)[1] == 0
+    assert search.find(whole)[1] == 0
     assert 0 < sum(searched) <= 500
 
 
