@@ -1,4 +1,4 @@
-"""The physically plausible wrench decomposition: arrays in, arrays out."""
+"""Physically plausible wrench decomposition: arrays in, arrays out."""
 
 from coopenv.wrench.decomposition import Decomposer, Decomposition, Residuals, decompose
 from coopenv.wrench.grasp import grasp_matrix, induced_torque, object_wrench

@@ -1,4 +1,4 @@
-"""Batches on all cores, in kernels that release the interpreter's lock."""
+"""Threads for the parts of a batch, in kernels that release the interpreter's lock."""
 
 import os
 from collections.abc import Callable

@@ -183,11 +183,9 @@ class Decomposition:
 
         Of two planar effectors off an axis, the width to which the optimum is bracketed times the
         steepest slope of the cost. Otherwise from the dual program, whatever the solver believes.
-        ``solver="structured"`` adds an estimate of how far rounding may bring the cost below the
-        optimum: nothing much, but 1e-8 to 1e-7 of J(h) where forces nearly agree (more beside
-        levers of 10² m and more), and 1e-6 to 1e-5 where a lever is very short.
-        ``solver="conic"`` adds one, too; its answers balance and fit their balls to rounding of the
-        internal wrench, not of the applied.
+        There ``"structured"`` and ``"conic"`` add an estimate of how far rounding may bring the
+        cost below the optimum. Answers of ``"conic"`` balance and fit their balls to rounding of
+        the internal wrench, not of the applied. `docs/decomposition.md` says how large gaps are.
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """

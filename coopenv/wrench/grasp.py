@@ -1,4 +1,4 @@
-"""Grips and what they do to forces: grasp matrix, object wrench, induced torque."""
+"""Grasp matrix, object wrench and induced torque, and validation of grips and wrenches."""
 
 import numpy as np
 import numpy.typing as npt

@@ -1,4 +1,7 @@
-"""Measures of a wrench and of its decomposition: costs, disagreement, load and energy shares."""
+"""Measures of wrenches and decompositions: cost, internal levels, load shares, energy shares.
+
+The compiled kernels stand below what calls them; helpers come before the kernels that use them.
+"""
 
 from math import sqrt
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""The registry of definitions of internal wrench."""
+"""Registry of decomposition methods, that is of definitions of internal wrench, by their names."""
 
 from collections.abc import Callable
 

@@ -1,6 +1,6 @@
-"""Internal wrench as what stops the effectors from accelerating as they were told to.
+"""Constraint violation method: what keeps the effectors from accelerating as desired is internal.
 
-Not a method of `decompose`: it asks what every effector was meant to do, not what it applied.
+It is no method of `decompose`, as it does not ask what the effectors applied.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""What the methods that know no torque have in common."""
+"""Forces of wrenches without torque, for methods that split forces only."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Maximal internal force: as much of the forces as can be internal, is.
+"""Maximal internal force method: all of the forces that can be internal counts as internal.
 
 maximise  Σ‖g_i‖²  over internal forces g that balance, G g = 0 (forces and their moments), and are
 plausible, ‖g_i‖² ≤ f_iᵀg_i    (eq. 9)

@@ -1,4 +1,4 @@
-"""How large internal forces can be at most: the dual of `max_internal`, by a barrier method.
+"""Upper bound of plausible internal forces: the dual of `max_internal`, by a barrier method.
 
 minimise  D(μ) = ¼ bᵀA⁻¹b  over μ ≥ 0 with A = Σ μ_i N_iᵀN_i − I ≻ 0,  b = Σ μ_i N_iᵀf_i
 

@@ -1,4 +1,4 @@
-"""Two forces on one line: what the smaller of two opposing ones takes from the larger."""
+"""One-dimensional method: of two opposing forces on a line, the smaller cancels as much."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Optimal decomposition: the cheapest plausible wrench that does the same, and who solves for it.
+"""Optimal method: the cheapest plausible wrench of the same resultant, and its registry of solvers.
 
 minimise  J(h_M) = Σ_i (1−w)‖f_M,i‖ + s·w‖t_fM,i‖ + w‖t_M,i‖    (eq. 17)
 subject to  G h_M = G h  and every part of h_M in the ball over the same part of h  (eqs. 18-21)

@@ -1,4 +1,4 @@
-"""Allocation by a generalised inverse of the grasp matrix, and what it leaves over as internal."""
+"""Pseudoinverse methods: allocation by a generalised inverse of the grasp matrix."""
 
 from typing import Any
 

@@ -1,1 +1,1 @@
-"""Two effectors in the plane: exact solvers that search one number."""
+"""Exact solvers for two effectors in the plane, on and off a line through the centre of mass."""

@@ -1,4 +1,4 @@
-"""Root of a compiled function between two points where its signs differ."""
+"""Root of a compiled function in a bracket, by Chandrupatla's method."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,13 +11,15 @@ MAX_STEPS = 200  # a smooth function needs about 8, one that jumps 60, more at a
 def root_of(function: Callable[[float, Any], float]) -> Callable[..., float]:
     """Compile ``root(a, value_a, b, value_b, case, resolution)`` of ``function(x, case)``.
 
-    Chandrupatla's method: inverse quadratic interpolation where that can be trusted, bisection
-    elsewhere; to two units in the last place, or ``resolution``. Source: Chandrupatla 1997.
+    Its values at a and b differ in sign. Inverse quadratic interpolation where that can be trusted,
+    bisection elsewhere; to two units in the last place, or ``resolution``.
 
     Parameters
     ----------
     function
         Compiled by ``@compiled``; ``case`` is whatever it needs beside x.
+
+    Source: Chandrupatla 1997.
     """
 
     @compiled
