@@ -1,4 +1,4 @@
-"""What every definition of internal wrench says to the paper's examples: docs/decomposition.md.
+"""Table of what every method says to the paper's examples, written to docs/decomposition.md.
 
 python -m benchmarks.methods            # prints the table
 python -m benchmarks.methods --write    # and writes docs/decomposition.md
