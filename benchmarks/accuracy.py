@@ -18,6 +18,7 @@ from benchmarks.pages import DOCS, fill
 from coopenv import Body, Scene, TransportConfig
 from coopenv import wrench as wrench_module
 from coopenv.arrays import FloatArray
+from coopenv.geometry.frames import rotated
 from coopenv.physics.world import World
 
 NUM_WORLDS, NUM_STEPS, HOLD, DT = 512, 200, 10, 0.05
@@ -66,7 +67,7 @@ def corners(body: Body, pose: FloatArray) -> FloatArray:
     """Outline of every world ``(world, vertex, 2)`` [m]."""
     c, s = np.cos(pose[:, 2, None]), np.sin(pose[:, 2, None])
     x, y = np.array(body.outline).T
-    return np.stack([c * x - s * y + pose[:, 0, None], s * x + c * y + pose[:, 1, None]], axis=-1)
+    return np.stack(rotated(c, s, x, y), axis=-1) + pose[:, None, :2]
 
 
 def table() -> list[Row]:

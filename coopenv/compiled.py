@@ -4,6 +4,9 @@
     Called from Python or from other kernels; cached on disk.
 ``@inlined``
     Always put into the kernel that calls it, where a call would cost more than the work.
+``@anywhere``
+    The same arithmetic for all: Python calls it as it is, with numbers or arrays of any shape, and
+    a kernel that calls it has it compiled in.
 ``@gufunc(layout, signature)``
     A NumPy ufunc over any batch shape.
 ``@fused``, ``@fused_inlined``, ``@fused_entry``
@@ -24,17 +27,20 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from types import FunctionType, ModuleType
+from typing import Any, TypeVar
 from weakref import WeakSet
 
 import numpy as np
 from numba import guvectorize, njit
 from numba.core.caching import CompileResultCacheImpl
 from numba.core.dispatcher import Dispatcher
+from numba.extending import register_jitable
 from numba.np.ufunc.wrappers import GufWrapperCache
 
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
+
+Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 _CACHED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "cache": True}
 _FUSED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
@@ -49,6 +55,12 @@ def compiled(function: Callable[..., Any]) -> Any:
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a function into each kernel that calls it."""
     return njit(**_CACHED, forceinline=True)(_known(function))
+
+
+def anywhere(function: Kernel) -> Kernel:
+    """Leave a function to Python as it is, and compile it into each kernel that calls it."""
+    _ANYWHERE.add(function)
+    return register_jitable(error_model="numpy", forceinline=True)(_known(function))
 
 
 def fused(function: Callable[..., Any]) -> Any:
@@ -107,6 +119,7 @@ def _is_linked(made: Any) -> bool:
 
 
 _KERNELS: WeakSet[Any] = WeakSet()  # the Python functions of all that is cached
+_ANYWHERE: WeakSet[Any] = WeakSet()  # those that Python calls as they are
 _PACKAGES: set[str] = set()  # where they come from; helpers are looked for nowhere else
 
 
@@ -201,6 +214,8 @@ def _home(value: Any) -> str | None:
     """Name of the module that defines a compiled function, an intrinsic or a named tuple."""
     if isinstance(value, Dispatcher):
         return value.py_func.__module__
+    if isinstance(value, FunctionType) and value in _ANYWHERE:
+        return value.__module__
     if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
         return value.__module__
     return getattr(getattr(value, "_defn", None), "__module__", None)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
+from coopenv.geometry.frames import rotated_back
 from coopenv.info import Info
 from coopenv.transition import Transition
 
@@ -176,9 +177,9 @@ def _joint(action, wrench, learners, driven, frame, limits):
             for j in range(width):
                 joint[k, i, j] = action[k, number, j]
         for number, i in enumerate(driven):
-            c, s, limit = frame[k, i, 0], frame[k, i, 1], limits[k, i, 0]
             x, y, torque = wrench[k, number, 0], wrench[k, number, 1], wrench[k, number, 2]
-            joint[k, i, 0], joint[k, i, 1] = (c * x + s * y) / limit, (c * y - s * x) / limit
+            along, across = rotated_back(frame[k, i, 0], frame[k, i, 1], x, y)
+            joint[k, i, 0], joint[k, i, 1] = along / limits[k, i, 0], across / limits[k, i, 0]
             if width == 3:
                 joint[k, i, 2] = torque / limits[k, i, 1]
             finite = finite and np.isfinite(x + y + torque)

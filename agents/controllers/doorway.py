@@ -3,10 +3,11 @@
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.geometry.frames import placed, wrapped
 from coopenv.tasks import passage
 from coopenv.transition import Transition
 
-from .impedance import ImpedanceController, approach, wrapped
+from .impedance import ImpedanceController, approach
 
 _CREEP = 0.2  # [m/s] in the gap while out of line
 _SLACK = 0.02  # [m] kept from the sides of the gap
@@ -79,4 +80,4 @@ class DoorwayController(ImpedanceController):
 def _corners_x(pose: FloatArray, outline: FloatArray) -> FloatArray:
     """World x of the outline's corners, ``(world, vertex)`` [m]."""
     c, s = np.cos(pose[:, 2, None]), np.sin(pose[:, 2, None])
-    return pose[:, 0, None] + c * outline[..., 0] - s * outline[..., 1]
+    return placed(pose[:, 0, None], pose[:, 1, None], c, s, outline[..., 0], outline[..., 1])[0]

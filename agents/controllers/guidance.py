@@ -6,6 +6,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from coopenv.compiled import compiled, inlined
+from coopenv.geometry.frames import rotated, rotated_back, wrapped
 
 LOOKS = 9  # angles looked at between here and the end of the look-ahead
 NUM_GAINS = 6
@@ -66,7 +67,8 @@ def object_wrench(gains, pose, twist, goal, load, size, outlines, k, reach):
     fx = mass * damping * (vx - twist[0]) + linear_drag * twist[0]
     fy = mass * damping * (vy - twist[1]) + linear_drag * twist[1]
     torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
-    return c * fx + s * fy, c * fy - s * fx, torque
+    along, across = rotated_back(c, s, fx, fy)
+    return along, across, torque
 
 
 @compiled
@@ -96,7 +98,7 @@ def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):
     approach, _, speed, spin, margin, look_ahead = gains
     turn = goal[2] - pose[2]
     if not -pi < turn <= pi:
-        turn = pi - (pi - turn) % (2 * pi)
+        turn = wrapped(turn)
     low_x, high_x, low_y, high_y = _free_box(
         margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach
     )
@@ -128,12 +130,11 @@ def _free_box(margin, look_ahead, turn, pose, axis, goal, free, outlines, k, rea
     left = right = down = up = 0.0
     for look in range(LOOKS):
         for v in range(outlines.shape[1]):
-            x = c * outlines[k, v, 0] - s * outlines[k, v, 1]
-            y = s * outlines[k, v, 0] + c * outlines[k, v, 1]
+            x, y = rotated(c, s, outlines[k, v, 0], outlines[k, v, 1])
             if look == 0 and v == 0:
                 left, right, down, up = x, x, y, y
             left, right, down, up = min(left, x), max(right, x), min(down, y), max(up, y)
-        c, s = c * c_step - s * s_step, s * c_step + c * s_step
+        c, s = rotated(c, s, c_step, s_step)
     low_x, high_x, low_y, high_y = low_x - left, high_x - right, low_y - down, high_y - up
     middle_x, middle_y = (low_x + high_x) / 2, (low_y + high_y) / 2
     return (

@@ -9,6 +9,7 @@ from coopenv.arrays import FloatArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import UnknownName
 from coopenv.geometry import frames
+from coopenv.geometry.frames import wrapped
 from coopenv.transition import Transition
 from coopenv.wrench import allocate
 from coopenv.wrench.methods.pseudoinverse import ALLOCATIONS
@@ -94,8 +95,7 @@ class ImpedanceController:
         acceleration = acceleration + self.gains.damping * (twist - state.twist)
         wrench = inertia * acceleration + drag * state.twist  # world frame
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
-        x, y = wrench[:, 0].copy(), wrench[:, 1].copy()
-        wrench[:, 0], wrench[:, 1] = c * x + s * y, c * y - s * x
+        wrench[:, 0], wrench[:, 1] = frames.rotated_back(c, s, wrench[:, 0], wrench[:, 1])
         return wrench
 
     def wanted_motion(self, transition: Transition) -> tuple[FloatArray, FloatArray | float]:
@@ -129,11 +129,6 @@ def approach(
         How briskly.
     """
     return wanted_twists(gains_row(gains), pose, goal, outline, low, high)
-
-
-def wrapped(angle: FloatArray) -> FloatArray:
-    """The same angle in (−π, π]."""
-    return np.pi - (np.pi - angle) % (2 * np.pi)
 
 
 class RandomPolicy:

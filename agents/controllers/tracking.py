@@ -3,10 +3,11 @@
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.geometry.frames import wrapped
 from coopenv.tasks import TrackingTask
 from coopenv.transition import Transition
 
-from .impedance import ImpedanceController, wrapped
+from .impedance import ImpedanceController
 
 
 class TrackingController(ImpedanceController):

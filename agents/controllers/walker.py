@@ -11,6 +11,7 @@ from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry import frames
 from coopenv.geometry.clearance import WALLS, ways_to_boxes, ways_to_walls
+from coopenv.geometry.frames import rotated_back, wrapped
 from coopenv.geometry.routes import next_stops
 from coopenv.physics.body import Body
 from coopenv.transition import Transition
@@ -161,7 +162,7 @@ class WalkerController:
             gains.heading, gains.arrival, self._spins(transition), gains.near,
         )  # fmt: skip
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
-        speed, spin = c * state.twist[:, 0] + s * state.twist[:, 1], state.twist[:, 2]
+        speed, spin = rotated_back(c, s, *state.twist[:, :2].T)[0], state.twist[:, 2]
         force = load.mass * gains.damping * (wanted[:, 0] - speed) + load.linear_drag * speed
         turning = load.inertia * gains.damping * (wanted[:, 1] - spin)
         return force, turning + load.angular_drag * wanted[:, 1]
@@ -195,15 +196,15 @@ def _wanted(pose, goal, stop, length, approach, speed, braking, heading, arrival
         dx, dy, angle = stop[k, 0] - pose[k, 0], stop[k, 1] - pose[k, 1], pose[k, 2]
         way, left = np.arctan2(dy, dx), np.hypot(dx, dy)
         last = stop[k, 0] == goal[k, 0] and stop[k, 1] == goal[k, 1]
-        into, out_of, sense = _wrapped(way - angle), 0.0, 1.0
+        into, out_of, sense = wrapped(way - angle), 0.0, 1.0
         if last and left < near:
-            wanted[k, 0] = approach * (np.cos(angle) * dx + np.sin(angle) * dy)
-            wanted[k, 1] = heading * _wrapped(goal[k, 2] - angle)
+            wanted[k, 0] = approach * rotated_back(np.cos(angle), np.sin(angle), dx, dy)[0]
+            wanted[k, 1] = heading * wrapped(goal[k, 2] - angle)
         else:
             if last:
-                out_of = _wrapped(goal[k, 2] - way)
+                out_of = wrapped(goal[k, 2] - way)
                 if abs(into) + abs(out_of) > np.pi:  # backwards it has less to turn
-                    into, out_of, sense = _wrapped(into + np.pi), _wrapped(out_of + np.pi), -1.0
+                    into, out_of, sense = wrapped(into + np.pi), wrapped(out_of + np.pi), -1.0
             else:
                 left = length[k]
             fast = min(speed, approach * left, np.sqrt(2 * braking * left))
@@ -213,8 +214,3 @@ def _wanted(pose, goal, stop, length, approach, speed, braking, heading, arrival
             wanted[k, 0] *= spin[k] / abs(wanted[k, 1])
             wanted[k, 1] = spin[k] * np.sign(wanted[k, 1])
     return wanted
-
-
-@compiled
-def _wrapped(angle):
-    return np.pi - (np.pi - angle) % (2 * np.pi)

@@ -5,6 +5,7 @@ from math import cos, exp, sin
 import numpy as np
 
 from coopenv.compiled import compiled, inlined
+from coopenv.geometry.frames import rotated, rotated_back
 
 from ..controllers.guidance import object_wrench, triple
 from .chance import fraction, mixed, normal
@@ -167,8 +168,7 @@ def _felt(pose, twist, before, applied, grips, k, driven, load, dt):
     wy = mass * (twist[1] - before[1]) / dt + linear_drag * (twist[1] + before[1]) / 2
     torque = inertia * (twist[2] - before[2]) / dt + angular_drag * (twist[2] + before[2]) / 2
     middle = pose[2] - dt * (twist[2] + before[2]) / 4  # where the object pointed in between
-    c, s = cos(middle), sin(middle)
-    x, y = c * wx + s * wy, c * wy - s * wx
+    x, y = rotated_back(cos(middle), sin(middle), wx, wy)
     for i in driven:
         fx, fy = applied[k, i, 0], applied[k, i, 1]
         x -= fx
@@ -184,14 +184,16 @@ def _follow(tastes, felt, pose, twist, wanted, load, dt):
     heaviness, eagerness = tastes
     c, s = cos(pose[2]), sin(pose[2])
     left, gain = _response(mass, linear_drag, dt)
-    vx = left * wanted[0] + gain * (c * felt[0] - s * felt[1]) / heaviness
-    vy = left * wanted[1] + gain * (s * felt[0] + c * felt[1]) / heaviness
+    push_x, push_y = rotated(c, s, felt[0], felt[1])
+    vx = left * wanted[0] + gain * push_x / heaviness
+    vy = left * wanted[1] + gain * push_y / heaviness
     left, gain = _response(inertia, angular_drag, dt)
     omega = left * wanted[2] + gain * felt[2] / heaviness
     fx = linear_drag * vx + mass * eagerness * (vx - twist[0])
     fy = linear_drag * vy + mass * eagerness * (vy - twist[1])
     torque = angular_drag * omega + inertia * eagerness * (omega - twist[2])
-    return (vx, vy, omega), (c * fx + s * fy, c * fy - s * fx, torque)
+    along, across = rotated_back(c, s, fx, fy)
+    return (vx, vy, omega), (along, across, torque)
 
 
 @inlined
@@ -217,8 +219,7 @@ def _give_part(wrench, allocation, frame, limits, driven, parts, memory, k, slot
                 + allocation[k, i, j, 1] * y
                 + allocation[k, i, j, 2] * torque
             )
-        c, s = frame[k, i, 0], frame[k, i, 1]
-        along, across = c * parts[i, 0] + s * parts[i, 1], c * parts[i, 1] - s * parts[i, 0]
+        along, across = rotated_back(frame[k, i, 0], frame[k, i, 1], parts[i, 0], parts[i, 1])
         largest = max(largest, max(abs(along), abs(across)) / limits[k, i, 0])
         largest = max(largest, abs(parts[i, 2]) / limits[k, i, 1])
     for number in range(len(driven)):

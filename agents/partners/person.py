@@ -5,6 +5,7 @@ import numpy as np
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.compiled import compiled
 from coopenv.config import ACTIONS, TransportConfig
+from coopenv.geometry.frames import rotated, wrapped
 from coopenv.partner import Generators
 from coopenv.transition import Transition
 from coopenv.wrench.grasp import grasp_matrix
@@ -95,7 +96,7 @@ def _plans(rows, now, goal):
             moved = goal[k, j] + row[traits.AWAY_X + j]
             plan[k, j] = moved if row[traits.ROLE] == traits.PLANS else np.nan
         if row[traits.AWAY_TURN] != 0:  # an unturned goal is kept to the bit
-            plan[k, 2] = np.pi - (np.pi - plan[k, 2]) % (2 * np.pi)
+            plan[k, 2] = wrapped(plan[k, 2])
     return plan
 
 
@@ -104,9 +105,7 @@ def _inside(away: FloatArray, start: Transition) -> FloatArray:
     goal, half = start.next_state.goal, start.conditions.room.size / 2
     angle = (goal[:, 2] + away[:, 2])[:, None]
     x, y = np.moveaxis(start.conditions.load.outline, -1, 0)
-    turned = np.stack(
-        [np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y]
-    )
+    turned = np.stack(rotated(np.cos(angle), np.sin(angle), x, y))
     low = -half - turned.min(axis=2).T - goal[:, :2]
     high = half - turned.max(axis=2).T - goal[:, :2]
     shift = away[:, :2]

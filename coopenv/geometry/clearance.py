@@ -3,6 +3,7 @@
 import numpy as np
 
 from coopenv.compiled import compiled
+from coopenv.geometry.frames import placed, rotated, seen_from
 
 WALLS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))  # the way to each wall, world frame
 
@@ -46,7 +47,7 @@ def ways_to_walls(outline, pose, size):
         c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
         for a, b in outline[k]:
-            x, y = pose[k, 0] + c * a - s * b, pose[k, 1] + s * a + c * b
+            x, y = placed(pose[k, 0], pose[k, 1], c, s, a, b)
             low_x, high_x = min(low_x, x), max(high_x, x)
             low_y, high_y = min(low_y, y), max(high_y, y)
         half_x, half_y = size[k, 0] / 2, size[k, 1] / 2
@@ -61,13 +62,12 @@ def _way_to_box(outline, pose, box, way):
     half_x, half_y = box[2] / 2, box[3] / 2
     c, s = np.cos(pose[2] - box[4]), np.sin(pose[2] - box[4])
     turn_c, turn_s = np.cos(box[4]), np.sin(box[4])
-    away_x, away_y = pose[0] - box[0], pose[1] - box[1]
-    center_x, center_y = turn_c * away_x + turn_s * away_y, turn_c * away_y - turn_s * away_x
+    center_x, center_y = seen_from(box[0], box[1], turn_c, turn_s, pose[0], pose[1])
     count = len(outline)
     corners = np.empty((count, 2))
     for i in range(count):
-        corners[i, 0] = center_x + c * outline[i, 0] - s * outline[i, 1]
-        corners[i, 1] = center_y + s * outline[i, 0] + c * outline[i, 1]
+        x, y = placed(center_x, center_y, c, s, outline[i, 0], outline[i, 1])
+        corners[i, 0], corners[i, 1] = x, y
     best, from_x, from_y, to_x, to_y = np.inf, 0.0, 0.0, 0.0, 0.0
     for i in range(count):
         x, y = corners[i]
@@ -90,8 +90,8 @@ def _way_to_box(outline, pose, box, way):
     length = np.hypot(to_x - from_x, to_y - from_y)
     x, y = (to_x - from_x) / max(length, 1e-300), (to_y - from_y) / max(length, 1e-300)
     way[0] = best
-    way[1], way[2] = turn_c * x - turn_s * y, turn_s * x + turn_c * y
-    way[3], way[4] = box[0] + turn_c * to_x - turn_s * to_y, box[1] + turn_s * to_x + turn_c * to_y
+    way[1], way[2] = rotated(turn_c, turn_s, x, y)
+    way[3], way[4] = placed(box[0], box[1], turn_c, turn_s, to_x, to_y)
 
 
 @compiled

@@ -1,13 +1,71 @@
-"""Kernels that turn vectors between the object's frame, the agents' and the world's.
+"""Angles and frames: wrapping, rotation, and changes between object, agent and world frame.
 
 An agent's frame has its origin at its grip and x towards the centre of mass (at the centre of
 mass: the object's x). ``frame`` holds the cosine and sine of its angle in the object frame.
+
+The functions of angles and of rotations take numbers, arrays that broadcast, and what kernels have;
+a rotation is given by its cosine and sine.
 """
 
+from collections.abc import Sequence
+from math import cos, sin
+from typing import TypeVar
+
 import numpy as np
+import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
-from coopenv.compiled import compiled, inlined
+from coopenv.compiled import anywhere, compiled, inlined
+
+Angle = TypeVar("Angle", float, FloatArray)
+
+
+@anywhere
+def wrapped(angle: Angle) -> Angle:
+    """The same angle in (−π, π] [rad]."""
+    return np.pi - (np.pi - angle) % (2 * np.pi)
+
+
+@anywhere
+def turn_between(angle: Angle, other: Angle) -> Angle:
+    """The short way round from one angle to the other, in [0, π] [rad]."""
+    return abs(np.pi - (np.pi + other - angle) % (2 * np.pi))  # no difference is rounded first
+
+
+@anywhere
+def rotated(c, s, x, y):
+    """The vector (x, y) of a frame as seen from outside, where its x axis has the direction (c, s).
+
+    With the direction of a second frame's axis for (x, y), the rotation by both angles.
+    """
+    return c * x - s * y, s * x + c * y
+
+
+@anywhere
+def rotated_back(c, s, x, y):
+    """The vector (x, y) as seen from a frame whose x axis has the direction (c, s)."""
+    return c * x + s * y, c * y - s * x
+
+
+@anywhere
+def placed(at_x, at_y, c, s, x, y):
+    """The point (x, y) of a frame with this origin and direction of its x axis, seen from outside.
+
+    The inverse of `seen_from`; `moved` places many points at one pose.
+    """
+    return at_x + c * x - s * y, at_y + s * x + c * y
+
+
+@anywhere
+def seen_from(at_x, at_y, c, s, x, y):
+    """The point (x, y) as seen from a frame with this origin and direction of its x axis."""
+    return rotated_back(c, s, x - at_x, y - at_y)
+
+
+def moved(points: npt.ArrayLike, pose: Sequence[float] | FloatArray) -> FloatArray:
+    """Points ``(point, 2)`` [m] of a frame at ``pose`` (x, y [m], θ [rad]), seen from outside."""
+    c, s = cos(pose[2]), sin(pose[2])
+    return np.asarray(points) @ np.array([(c, s), (-s, c)]) + np.asarray(pose[:2])
 
 
 def agent_frames(grips: FloatArray) -> FloatArray:
@@ -20,10 +78,10 @@ def agent_frames(grips: FloatArray) -> FloatArray:
 @compiled
 def wrap_pose(pose):
     """Pose ``(world, 3)`` with its angle wrapped to (−π, π]; a fresh array."""
-    wrapped = pose.copy()
+    out = pose.copy()
     for k in range(len(pose)):
-        wrapped[k, 2] = np.pi - (np.pi - pose[k, 2]) % (2 * np.pi)
-    return wrapped
+        out[k, 2] = wrapped(pose[k, 2])
+    return out
 
 
 @compiled
@@ -52,8 +110,7 @@ def wrenches_from_actions(action, frame, limit):
                 finite = finite and np.isfinite(action[k, i, j])
                 clipped[k, i, j] = min(max(action[k, i, j], -1.0), 1.0)
             x, y = limit[k, i, 0] * clipped[k, i, 0], limit[k, i, 0] * clipped[k, i, 1]
-            c, s = frame[k, i, 0], frame[k, i, 1]
-            applied[k, i, 0], applied[k, i, 1] = c * x - s * y, s * x + c * y
+            applied[k, i, 0], applied[k, i, 1] = rotated(frame[k, i, 0], frame[k, i, 1], x, y)
             if width == 3:
                 applied[k, i, 2] = limit[k, i, 1] * clipped[k, i, 2]
     return clipped, applied, finite
@@ -67,9 +124,8 @@ def actions_from_wrenches(applied, frame, limit, width):
     for k in range(num_worlds):
         for i in range(num_agents):
             c, s = frame[k, i, 0], frame[k, i, 1]
-            x, y = applied[k, i, 0], applied[k, i, 1]
-            action[k, i, 0] = (c * x + s * y) / limit[k, i, 0]
-            action[k, i, 1] = (c * y - s * x) / limit[k, i, 0]
+            x, y = rotated_back(c, s, applied[k, i, 0], applied[k, i, 1])
+            action[k, i, 0], action[k, i, 1] = x / limit[k, i, 0], y / limit[k, i, 0]
             if width == 3:
                 torque = applied[k, i, 2]
                 action[k, i, 2] = 0.0 if torque == 0.0 else torque / limit[k, i, 1]

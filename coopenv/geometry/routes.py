@@ -3,6 +3,7 @@
 import numpy as np
 
 from coopenv.compiled import compiled
+from coopenv.geometry.frames import placed, rotated_back, seen_from, wrapped
 
 _BESIDE = 0.02  # [m] by which the corners of a way keep off what may not be crossed
 
@@ -56,7 +57,7 @@ def _corners(boxes, radius, size, out):
         for corner in range(4):
             a = (box[2] / 2 + radius + _BESIDE) * (1 - 2 * (corner % 2))
             b = (box[3] / 2 + radius + _BESIDE) * (1 - 2 * (corner // 2))
-            x, y = box[0] + c * a - s * b, box[1] + s * a + c * b
+            x, y = placed(box[0], box[1], c, s, a, b)
             if abs(x) <= size[0] / 2 - radius and abs(y) <= size[1] / 2 - radius:
                 out[used, 0], out[used, 1] = x, y
                 used += 1
@@ -91,7 +92,7 @@ def _shortest(nodes, boxes, slack, way):
     while before[at] != 0:
         at = before[at]
         earlier = _direction(nodes[before[at]], nodes[at])
-        turned += abs(np.pi - (np.pi - (later - earlier)) % (2 * np.pi))
+        turned += abs(wrapped(later - earlier))
         later = earlier
     way[0], way[1], way[2] = distance[1], turned, last
     return at
@@ -108,11 +109,11 @@ def _is_open(start, end, boxes, slack):
     for j in range(len(boxes)):
         box = boxes[j]
         c, s = np.cos(box[4]), np.sin(box[4])
+        begin = seen_from(box[0], box[1], c, s, start[0], start[1])
+        leg = rotated_back(c, s, end[0] - start[0], end[1] - start[1])
         low, high = 0.0, 1.0
         for axis in range(2):
-            ux, uy = (c, s) if axis == 0 else (-s, c)
-            at = ux * (start[0] - box[0]) + uy * (start[1] - box[1])
-            step = ux * (end[0] - start[0]) + uy * (end[1] - start[1])
+            at, step = begin[axis], leg[axis]
             half = box[2 + axis] / 2 + slack[j]
             if step == 0.0:
                 if abs(at) >= half:
@@ -129,5 +130,5 @@ def _is_open(start, end, boxes, slack):
 def _outside(point, box):
     """How far a point is beyond a box's sides, the larger of the two ways [m]; negative inside."""
     c, s = np.cos(box[4]), np.sin(box[4])
-    x, y = point[0] - box[0], point[1] - box[1]
-    return max(abs(c * x + s * y) - box[2] / 2, abs(c * y - s * x) - box[3] / 2)
+    x, y = seen_from(box[0], box[1], c, s, point[0], point[1])
+    return max(abs(x) - box[2] / 2, abs(y) - box[3] / 2)

@@ -20,6 +20,7 @@ from numpy.polynomial.legendre import leggauss
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled, inlined
+from coopenv.geometry.frames import rotated
 
 _NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
 _FINE, _FINE_WEIGHTS = (1 + leggauss(64)[0]) / 2, leggauss(64)[1] / 2  # integrates the table
@@ -101,8 +102,7 @@ def advance(table, k, angle, vx, vy, spin, fx, fy, torque):
     speed_x, speed_y = table[k, DECAY] * vx, table[k, DECAY] * vy
     for i in range(3):
         at = angle + table[k, NODE_COAST + i] * spin + table[k, NODE_TURN + i] * torque
-        c, s = np.cos(at), np.sin(at)
-        world_x, world_y = c * fx - s * fy, s * fx + c * fy
+        world_x, world_y = rotated(np.cos(at), np.sin(at), fx, fy)
         dx += table[k, NODE_PATH + i] * world_x
         dy += table[k, NODE_PATH + i] * world_y
         speed_x += table[k, NODE_SPEED + i] * world_x

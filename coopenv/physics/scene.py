@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array, number, positive
 from coopenv.errors import InvalidInput
+from coopenv.geometry.frames import moved
 
 WALL_THICKNESS = 2.0  # [m]; a beam at full force passes thin walls between two substeps
 
@@ -31,8 +31,7 @@ class Box:
     def vertices(self) -> FloatArray:
         """Corners ``(4, 2)`` [m], world frame, counter-clockwise."""
         half = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * np.array(self.size) / 2
-        c, s = cos(self.angle), sin(self.angle)
-        return half @ np.array([[c, s], [-s, c]]) + np.array(self.center)
+        return moved(half, (*self.center, self.angle))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,6 +4,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.geometry.clearance import ways_to_boxes
+from coopenv.geometry.frames import rotated, rotated_back
 from coopenv.observation import Block
 from coopenv.transition import Transition
 
@@ -27,10 +28,8 @@ def nearest_obstacle(transition: Transition) -> FloatArray:
     near = chosen[:, 0] < RANGE
     away = chosen[:, 3:] - pose[:, :2]
     c_body, s_body = np.cos(pose[:, 2, None]), np.sin(pose[:, 2, None])
-    c = c_body * frame[..., 0] - s_body * frame[..., 1]
-    s = s_body * frame[..., 0] + c_body * frame[..., 1]
-    x, y = away[:, 0, None], away[:, 1, None]
-    point = np.stack([c * x + s * y, c * y - s * x], axis=-1)
+    c, s = rotated(c_body, s_body, frame[..., 0], frame[..., 1])
+    point = np.stack(rotated_back(c, s, away[:, 0, None], away[:, 1, None]), axis=-1)
     seen[near, :, :2], seen[near, :, 2] = point[near], chosen[near, 0, None]
     return seen
 

@@ -9,8 +9,8 @@ import numpy.typing as npt
 from coopenv.arrays import FloatArray, finite_array
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
+from coopenv.geometry.frames import rotated, rotated_back, turn_between
 from coopenv.physics.body import Points
-from coopenv.tasks.pose import turn_between
 
 # What a layout is, one row a world; the passage leads along x.
 WALL_X, GAP_Y, GAP = 0, 1, 2  # [m] the wall's middle, the gap's, the gap's width
@@ -115,9 +115,8 @@ def seen_gap(plan, pose, frame):
         dx, dy = plan[k, WALL_X] - pose[k, 0], plan[k, GAP_Y] - pose[k, 1]
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         for i in range(num_agents):
-            c = cos_object * frame[k, i, 0] - sin_object * frame[k, i, 1]
-            s = sin_object * frame[k, i, 0] + cos_object * frame[k, i, 1]
-            seen[k, i, 0], seen[k, i, 1] = c * dx + s * dy, c * dy - s * dx
+            c, s = rotated(cos_object, sin_object, frame[k, i, 0], frame[k, i, 1])
+            seen[k, i, 0], seen[k, i, 1] = rotated_back(c, s, dx, dy)
             seen[k, i, 2], seen[k, i, 3] = c, -s
             seen[k, i, 4] = plan[k, GAP]
     return seen
@@ -130,9 +129,7 @@ def grips_in_world(pose: npt.ArrayLike, grips: npt.ArrayLike) -> FloatArray:
     """
     at, held = finite_array(pose, "pose"), finite_array(grips, "grips")
     c, s = np.cos(at[..., None, 2]), np.sin(at[..., None, 2])
-    x = c * held[..., 0] - s * held[..., 1] + at[..., None, 0]
-    y = s * held[..., 0] + c * held[..., 1] + at[..., None, 1]
-    return np.stack([x, y], axis=-1)
+    return np.stack(rotated(c, s, held[..., 0], held[..., 1]), axis=-1) + at[..., None, :2]
 
 
 def entry_times(grips: npt.ArrayLike, platform: npt.ArrayLike, dt: float = 1.0) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, positive
 from coopenv.compiled import compiled
+from coopenv.geometry.frames import rotated, turn_between
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Pose
@@ -67,7 +68,7 @@ def free_pose(
         across, up, turn = generator.random(3).tolist()
         angle = pi * (1 - 2 * turn)
         c, s = cos(angle), sin(angle)
-        outline = [(c * x - s * y, s * x + c * y) for x, y in body.outline]
+        outline = [rotated(c, s, x, y) for x, y in body.outline]
         x = _between(across, low[0], high[0], [point[0] for point in outline])
         y = _between(up, low[1], high[1], [point[1] for point in outline])
         if x is None or y is None:
@@ -81,12 +82,6 @@ def _between(fraction: float, low: float, high: float, extent: list[float]) -> f
     """Where the origin is if ``extent`` about it stays between bounds that leave room for it."""
     first, last = low - min(extent), high - max(extent)
     return first + fraction * (last - first) if first <= last else None
-
-
-@compiled
-def turn_between(angle, other):
-    """The short way round from one angle to the other, in [0, π]."""
-    return abs(np.pi - (np.pi + other - angle) % (2 * np.pi))
 
 
 @compiled

@@ -9,6 +9,7 @@ import numpy as np
 from coopenv.arrays import FloatArray, positive
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
+from coopenv.geometry.frames import wrapped
 from coopenv.tasks.transport import TransportTask
 
 Range: TypeAlias = tuple[float, float]  # least, most
@@ -62,11 +63,11 @@ def rolling_distance(pose, goal, stop, way, angle_weight, blur):
     for k in range(len(pose)):
         straight = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
         length = way[k, 0] if way[k, 0] < np.inf else straight
-        between = abs(_wrapped(goal[k, 2] - pose[k, 2]))
+        between = abs(wrapped(goal[k, 2] - pose[k, 2]))
         turns = between
         if straight > 0.0:
             first = np.arctan2(stop[k, 1] - pose[k, 1], stop[k, 0] - pose[k, 0])
-            ends = abs(_wrapped(first - pose[k, 2])) + abs(_wrapped(goal[k, 2] - way[k, 2]))
+            ends = abs(wrapped(first - pose[k, 2])) + abs(wrapped(goal[k, 2] - way[k, 2]))
             share = length * length / (length * length + blur * blur)
             # Backwards it turns by the other part of half a turn at both ends.
             ends = min(ends, 2 * np.pi - ends)
@@ -83,8 +84,3 @@ def _straight(pose, goal):
         dx, dy = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]
         way[k, 0], way[k, 2] = np.hypot(dx, dy), np.arctan2(dy, dx)
     return way
-
-
-@compiled
-def _wrapped(angle):
-    return np.pi - (np.pi - angle) % (2 * np.pi)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from coopenv.compiled import compiled
+from coopenv.geometry.frames import rotated, rotated_back
 
 
 @compiled
@@ -18,13 +19,12 @@ def ahead_in_agent_frames(pose, later, frame, told):
     for k in range(num_worlds):
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         for i in range(num_agents):
-            c = cos_object * frame[k, i, 0] - sin_object * frame[k, i, 1]
-            s = sin_object * frame[k, i, 0] + cos_object * frame[k, i, 1]
+            c, s = rotated(cos_object, sin_object, frame[k, i, 0], frame[k, i, 1])
             for j in range(count):
                 out = seen[k, i, 4 * j : 4 * j + 4]
                 if told[k, i, 0]:
                     dx, dy = later[k, j, 0] - pose[k, 0], later[k, j, 1] - pose[k, 1]
-                    out[0], out[1] = c * dx + s * dy, c * dy - s * dx
+                    out[0], out[1] = rotated_back(c, s, dx, dy)
                 if told[k, i, 1]:
                     turn = later[k, j, 2] - pose[k, 2]
                     out[2], out[3] = np.cos(turn), np.sin(turn)
@@ -43,11 +43,9 @@ def twist_in_agent_frames(pose, twist, frame, told):
     for k in range(num_worlds):
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         for i in range(num_agents):
-            c = cos_object * frame[k, i, 0] - sin_object * frame[k, i, 1]
-            s = sin_object * frame[k, i, 0] + cos_object * frame[k, i, 1]
+            c, s = rotated(cos_object, sin_object, frame[k, i, 0], frame[k, i, 1])
             if told[k, i, 0]:
-                vx, vy = twist[k, 0], twist[k, 1]
-                seen[k, i, 0], seen[k, i, 1] = c * vx + s * vy, c * vy - s * vx
+                seen[k, i, 0], seen[k, i, 1] = rotated_back(c, s, twist[k, 0], twist[k, 1])
             if told[k, i, 1]:
                 seen[k, i, 2] = twist[k, 2]
     return seen

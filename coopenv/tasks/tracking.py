@@ -11,6 +11,7 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray, positive, whole
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.geometry.frames import placed
 from coopenv.observation import Block
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -257,8 +258,7 @@ def _outlines(poses, outline):
         c, s = np.cos(poses[k, 2]), np.sin(poses[k, 2])
         for j in range(len(outline)):
             x, y = outline[j]
-            out[k, j, 0] = poses[k, 0] + c * x - s * y
-            out[k, j, 1] = poses[k, 1] + s * x + c * y
+            out[k, j, 0], out[k, j, 1] = placed(poses[k, 0], poses[k, 1], c, s, x, y)
     return out
 
 

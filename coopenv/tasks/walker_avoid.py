@@ -9,6 +9,7 @@ from coopenv.arrays import FloatArray, positive, whole
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
 from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
+from coopenv.geometry.frames import wrapped
 from coopenv.geometry.routes import next_stops
 from coopenv.observation import Block
 from coopenv.physics.body import Body
@@ -171,4 +172,4 @@ class WalkerAvoidTask(RollingTask):
 
 def _pose(place: FloatArray, angle: float) -> Pose:
     x, y = place.tolist()
-    return x, y, float(pi - (pi - angle) % (2 * pi))
+    return x, y, float(wrapped(angle))

@@ -9,6 +9,7 @@ from coopenv.compiled import compiled
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
 from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
+from coopenv.geometry.frames import wrapped
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
@@ -67,7 +68,7 @@ class WalkerTurnTask(RollingTask):
             )  # fmt: skip
             if len(way) and self.distance(way[:1], way[-1:])[0] >= self.min_distance:
                 (x, y, angle), goal = way[0].tolist(), way[-1].tolist()
-                return (x, y, angle), (goal[0], goal[1], pi - (pi - goal[2]) % (2 * pi))
+                return (x, y, angle), (goal[0], goal[1], wrapped(goal[2]))
         raise InvalidInput(
             f"task.path_length must leave room for a way, got {self.path_length} m in a room of "
             f"{scene.size} m with {len(scene.obstacles)} obstacles; shorten it or enlarge the room"

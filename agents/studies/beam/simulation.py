@@ -103,7 +103,7 @@ class BeamRun:
     def tracking_error(self) -> FloatArray:
         """``(inertia, motion, time, 2)``: distance [m] and angle [rad] between plan and body."""
         error = self.pose - self.planned
-        turn = np.pi - (np.pi - error[..., 2]) % (2 * np.pi)
+        turn = frames.wrapped(error[..., 2])
         return np.stack([np.linalg.norm(error[..., :2], axis=-1), np.abs(turn)], axis=-1)
 
 
@@ -211,14 +211,13 @@ class _Plan:
     def object_wrench(self, step: int, pose: FloatArray, twist: FloatArray) -> FloatArray:
         """What the beam needs over a control step ``(world, 3)``, object frame [N, N·m]."""
         error = self.poses_before[:, step] - pose
-        error[:, 2] = np.pi - (np.pi - error[:, 2]) % (2 * np.pi)
+        error[:, 2] = frames.wrapped(error[:, 2])
         rate_error = self._velocity_before[step] - twist
         stiffness, damping = self._gains
         correction = stiffness * error + damping * rate_error
         wrench = self._inertia * (self._acceleration[step] + correction) + self._velocity[step]
         c, s = np.cos(self._angle[step]), np.sin(self._angle[step])
-        x, y = wrench[:, 0].copy(), wrench[:, 1].copy()
-        wrench[:, 0], wrench[:, 1] = c * x + s * y, c * y - s * x
+        wrench[:, 0], wrench[:, 1] = frames.rotated_back(c, s, wrench[:, 0], wrench[:, 1])
         return wrench
 
 
@@ -274,9 +273,7 @@ def _out_of_the_way(core: Transport) -> FloatArray:
 def _object_twist(before, after) -> FloatArray:
     """Mean twist over a step in the object frame at its middle ``(world, 3)``."""
     twist = (before.twist + after.twist) / 2
-    turn = np.pi - (np.pi - (after.pose[:, 2] - before.pose[:, 2])) % (2 * np.pi)
+    turn = frames.wrapped(after.pose[:, 2] - before.pose[:, 2])
     angle = before.pose[:, 2] + turn / 2
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack(
-        [c * twist[:, 0] + s * twist[:, 1], c * twist[:, 1] - s * twist[:, 0], twist[:, 2]], axis=-1
-    )
+    own = frames.rotated_back(np.cos(angle), np.sin(angle), twist[:, 0], twist[:, 1])
+    return np.stack([*own, twist[:, 2]], axis=-1)

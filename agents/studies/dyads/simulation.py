@@ -77,7 +77,7 @@ def simulate(config: DyadsConfig | None = None) -> DyadsRun:
     )
     shape = (config.pairs, len(GUIDES), config.trials)
     last = pose[steps, np.arange(len(steps))]
-    off = np.abs(np.pi - (np.pi - (last - goal)[:, 2]) % (2 * np.pi))
+    off = np.abs(frames.wrapped((last - goal)[:, 2]))
     return DyadsRun(
         trials=trials,
         arrived=arrived.reshape(shape).sum(axis=-1),

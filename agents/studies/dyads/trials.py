@@ -24,6 +24,7 @@ import pandas as pd
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
+from coopenv.geometry.frames import placed, seen_from
 from coopenv.physics.scene import Box
 
 from ..tables import Table
@@ -226,11 +227,10 @@ def _grip_world(trials: Table, agent: int) -> FloatArray:
     x, y, angle = trials[list(POSE)].to_numpy(dtype=np.float64).T
     across, up = trials[[f"r{agent}x", f"r{agent}y"]].to_numpy(dtype=np.float64).T
     c, s = np.cos(angle), np.sin(angle)
-    return np.stack([x + c * across - s * up, y + s * across + c * up], axis=-1)
+    return np.stack(placed(x, y, c, s, across, up), axis=-1)
 
 
 def _inside(points: FloatArray, box: Box) -> BoolArray:
-    away = points - np.array(box.center)
     c, s = np.cos(box.angle), np.sin(box.angle)
-    own = np.stack([c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]], axis=-1)
+    own = np.stack(seen_from(*box.center, c, s, points[:, 0], points[:, 1]), axis=-1)
     return np.asarray((np.abs(own) <= np.array(box.size) / 2).all(axis=-1))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from coopenv.files import written
+from coopenv.geometry.frames import moved
 from coopenv.physics.body import Points
 from coopenv.physics.scene import Box
 from coopenv.wrench import Decomposition, energy_share, load_share
@@ -96,7 +97,7 @@ def draw_way(
     figure, grid = new_figure(1, 1, size=(7.0, 4.6))
     axes = grid[0, 0]
     for box in obstacles:
-        _fill(axes, _rectangle(box), color="#BBBBBB", label="obstacle")
+        _fill(axes, box.vertices, color="#BBBBBB", label="obstacle")
     axes.plot(*recording.planned[:, :2].T, color="#999999", linewidth=4, label="plan")
     axes.plot(*recording.pose[:, :2].T, color=BLUE, linewidth=1.6, label="centre of mass")
     stride = max(1, round(every / (recording.time[1] - recording.time[0])))
@@ -104,9 +105,9 @@ def draw_way(
     corners = np.array(outline)
     for k in shown:
         label = f"walker, every {every:g} s" if k == 0 else None
-        closed = _moved(np.concatenate([corners, corners[:1]]), recording.pose[k])
+        closed = moved(np.concatenate([corners, corners[:1]]), recording.pose[k])
         axes.plot(*closed.T, color=GREY, linewidth=0.8, label=label)
-        hands = _moved(recording.grips[:1], recording.pose[k])
+        hands = moved(recording.grips[:1], recording.pose[k])
         label = "human's grip" if k == 0 else None
         axes.plot(*hands.T, "o", color=ORANGE, markersize=4, label=label)
     axes.set_aspect("equal")
@@ -155,17 +156,6 @@ def save_arrays(walk: Walk, path: Path) -> None:
     arrays |= {f"internal_{name}": split.internal for name, split in walk.by_method.items()}
     with written(path) as part, part.open("wb") as file:
         np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
-
-
-def _moved(points: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    return points @ np.array([(c, s), (-s, c)]) + pose[:2]
-
-
-def _rectangle(box: Box) -> np.ndarray:
-    half = np.array(box.size) / 2
-    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
-    return _moved(corners, np.array([*box.center, box.angle]))
 
 
 def _fill(axes: Any, corners: np.ndarray, **look: Any) -> None:

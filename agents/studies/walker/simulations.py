@@ -47,7 +47,7 @@ class Recording:
         """The twist in the object frame, as `coopenv.wrench.energy_share` wants it."""
         c, s = np.cos(self.pose[:, 2]), np.sin(self.pose[:, 2])
         x, y, spin = self.twist.T
-        return np.stack([c * x + s * y, c * y - s * x, spin], axis=-1)
+        return np.stack([*frames.rotated_back(c, s, x, y), spin], axis=-1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,9 +212,9 @@ def _errors(
     x, y, angle = state.pose[0].tolist()
     vx, vy, turning = state.twist[0].tolist()
     c, s = np.cos(angle), np.sin(angle)
-    behind = c * (planned[0] - x) + s * (planned[1] - y)
-    off = np.pi - (np.pi - (planned[2] - angle)) % (2 * np.pi)
-    return behind, speed - (c * vx + s * vy), off, spin - turning
+    behind, _ = frames.seen_from(x, y, c, s, planned[0], planned[1])
+    forward, _ = frames.rotated_back(c, s, vx, vy)
+    return behind, speed - forward, frames.wrapped(planned[2] - angle), spin - turning
 
 
 def _recorded(config: TransportConfig, plan: RollingPlan, agents: _Agents) -> Recording:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.geometry.frames import wrapped
 from coopenv.wrench import load_share
 
 from ..claims import Claim
@@ -44,7 +45,7 @@ def claims(walk: Walk) -> list[Claim]:
 
 def _setup(recording: Recording) -> list[Claim]:
     error = recording.pose - recording.planned
-    turn = np.pi - (np.pi - error[:, 2]) % (2 * np.pi)
+    turn = wrapped(error[:, 2])
     off = np.linalg.norm(error[:, :2], axis=1)
     human, drive = recording.applied[:, 0], recording.applied[:, 1]
     return [
