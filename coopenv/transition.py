@@ -73,23 +73,6 @@ class Transition:
             self._decompositions[settings] = found
         return found
 
-    def agent_view(self) -> npt.NDArray[np.float32]:
-        """What each agent's frame shows of this step; see `coopenv.geometry.frames.agent_view`."""
-        decomposition, state = self.decomposition, self.next_state
-        share = decomposition.load_share
-        return frames.agent_view(
-            state.pose,
-            state.twist,
-            state.goal,
-            self.conditions.told,
-            self.team.frame,
-            self.applied,
-            decomposition.internal,
-            share.force,
-            share.torque,
-            decomposition.relative_cost,
-        )
-
     def per_agent(self, value: npt.NDArray[Any], scale: float = 1.0) -> FloatArray:
         """``scale`` × one value a world ``(world,)``, for each agent: ``(world, agent)``."""
         return frames.repeated(value, self.team.num_agents, scale)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
-from coopenv.compiled import anywhere, compiled, inlined
+from coopenv.compiled import anywhere, compiled
 
 Angle = TypeVar("Angle", float, FloatArray)
 
@@ -130,86 +130,6 @@ def actions_from_wrenches(applied, frame, limit, width):
                 torque = applied[k, i, 2]
                 action[k, i, 2] = 0.0 if torque == 0.0 else torque / limit[k, i, 1]
     return action
-
-
-VIEW_PARTS = (
-    "goal", "twist", "own_wrench", "partner_wrench", "own_internal", "partner_internal",
-    "load_share", "relative_cost",
-)  # fmt: skip
-
-
-def view_slices(num_agents: int) -> dict[str, slice]:
-    """Where `agent_view` writes what."""
-    others = 3 * (num_agents - 1)
-    ends = np.cumsum([4, 3, 3, others, 3, others, 2, 1]).tolist()
-    starts = [0, *ends[:-1]]
-    return {
-        name: slice(start, end) for name, start, end in zip(VIEW_PARTS, starts, ends, strict=True)
-    }
-
-
-@inlined
-def _write_turned(wrench, k, other, c, s, seen, i, at):
-    """Write an agent's wrench as agent i sees it."""
-    x, y = wrench[k, other, 0], wrench[k, other, 1]
-    seen[k, i, at], seen[k, i, at + 1] = c * x + s * y, c * y - s * x
-    seen[k, i, at + 2] = wrench[k, other, 2]
-
-
-@compiled
-def agent_view(
-    pose, twist, goal, told, frame, applied, internal, force_share, torque_share, relative_cost
-):
-    """All that is seen of a step from each agent's frame, in one pass.
-
-    Parameters
-    ----------
-    pose, twist, goal
-        ``(world, 3)``, world frame.
-    told
-        ``(world, agent, 2)``: whether an agent is told the goal's place and its angle; what it is
-        not told reads 0.
-    frame
-        ``(world, agent, 2)``.
-    applied, internal
-        ``(world, agent, 3)``, object frame.
-    force_share, torque_share, relative_cost
-        ``(world, agent)`` twice, ``(world,)``.
-
-    Returns
-    -------
-    ``(world, agent, feature)`` float32; `view_slices` says which feature is what. A share that is
-    not defined reads 1/n.
-    """
-    num_worlds, num_agents = frame.shape[:2]
-    seen = np.empty((num_worlds, num_agents, 10 + 6 * num_agents), dtype=np.float32)
-    for k in range(num_worlds):
-        cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
-        dx, dy, turn = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1], goal[k, 2] - pose[k, 2]
-        cos_turn, sin_turn = np.cos(turn), np.sin(turn)
-        for i in range(num_agents):
-            c_own, s_own = frame[k, i, 0], frame[k, i, 1]
-            c = cos_object * c_own - sin_object * s_own
-            s = sin_object * c_own + cos_object * s_own
-            place, angle = told[k, i, 0], told[k, i, 1]
-            seen[k, i, 0] = c * dx + s * dy if place else 0.0
-            seen[k, i, 1] = c * dy - s * dx if place else 0.0
-            seen[k, i, 2], seen[k, i, 3] = (cos_turn, sin_turn) if angle else (0.0, 0.0)
-            vx, vy = twist[k, 0], twist[k, 1]
-            seen[k, i, 4], seen[k, i, 5] = c * vx + s * vy, c * vy - s * vx
-            seen[k, i, 6] = twist[k, 2]
-            at = 7
-            for step in range(num_agents):  # its own first, then the others in order
-                other = (i + step) % num_agents
-                _write_turned(applied, k, other, c_own, s_own, seen, i, at)
-                _write_turned(internal, k, other, c_own, s_own, seen, i, at + 3 * num_agents)
-                at += 3
-            at += 3 * num_agents
-            force, torque = force_share[k, i], torque_share[k, i]
-            seen[k, i, at] = 1 / num_agents if np.isnan(force) else force
-            seen[k, i, at + 1] = 1 / num_agents if np.isnan(torque) else torque
-            seen[k, i, at + 2] = relative_cost[k]
-    return seen
 
 
 @compiled

@@ -1,14 +1,8 @@
 """What agents see: blocks of numbers, the view they are taken from, and what sensors do to them."""
 
 from coopenv.observation.block import Block, EachOther
-from coopenv.observation.observation import (
-    BLOCKS,
-    DEFAULT_BLOCKS,
-    SENSING,
-    Entry,
-    Observation,
-    find_blocks,
-)
+from coopenv.observation.blocks import BLOCKS, DEFAULT_BLOCKS, SENSING
+from coopenv.observation.observation import Entry, Observation, find_blocks
 from coopenv.observation.ranges import RangeReading, ranges
 from coopenv.observation.sensor import Sensor
 

@@ -35,14 +35,12 @@ class Block:
     name: str
     size: int | Callable[[int], int]  # features, or how many for a number of agents
     describe: str  # what it is
-    read: Callable[[Transition], FloatArray] | None = (
-        None  # -> (world, agent, size); None: built in
-    )
+    read: Callable[[Transition], FloatArray] | None = None  # -> (world, agent, size); None: `VIEW`
     low: float | Sequence[float] = -np.inf  # one number, or one a feature
     high: float | Sequence[float] = np.inf
     unit: str = ""  # of the features, in order
     frame: str = ""  # along whose axes vectors are given
-    told: Sequence[int] = ()  # the column of `Conditions.told` that each feature needs, if any
+    needs_told: Sequence[int] = ()  # the column of `Conditions.told` each feature needs, if any
 
     def __post_init__(self) -> None:
         if not self.name or (isinstance(self.size, int) and self.size < 1):
@@ -73,3 +71,12 @@ class Block:
                 f"{self.name!r}, got {values!r}; give them in the order of its unit"
             )
         return given
+
+
+def side_by_side(blocks: Sequence[Block], num_agents: int) -> dict[str, slice]:
+    """The slice of each block where they follow one another, by name."""
+    slices, end = {}, 0
+    for block in blocks:
+        begin, end = end, end + block.width(num_agents)
+        slices[block.name] = slice(begin, end)
+    return slices

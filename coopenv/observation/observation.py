@@ -9,132 +9,14 @@ import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.geometry.frames import VIEW_PARTS, view_slices
-from coopenv.observation.block import Block, EachOther
-from coopenv.observation.privileged import privileged
+from coopenv.observation.block import Block, side_by_side
+from coopenv.observation.blocks import BLOCKS, DEFAULT_BLOCKS
 from coopenv.observation.ranges import RangeReading, ranges
 from coopenv.observation.sensor import Instruments, Sensor
+from coopenv.observation.view import VIEW, agent_view, view_slices
 from coopenv.transition import Transition
 
 Entry: TypeAlias = str | Block | Sensor
-
-
-def _time_left(transition: Transition) -> FloatArray:
-    left = 1 - transition.next_state.time / (transition.horizon * transition.dt)
-    return transition.per_agent(left)[..., None]
-
-
-def _known(transition: Transition) -> FloatArray:
-    return transition.conditions.told.astype(np.float64)
-
-
-BLOCKS: dict[str, Block] = {
-    block.name: block
-    for block in (
-        Block(
-            name="goal",
-            size=4,
-            describe="way from the object to its goal: Δx, Δy, cos Δθ, sin Δθ; 0 where not told",
-            unit="m, m, 1, 1",
-            frame="agent",
-            told=(0, 0, 1, 1),
-        ),
-        Block(
-            name="twist",
-            size=3,
-            describe="velocity of the object's centre of mass, and its spin",
-            unit="m/s, m/s, rad/s",
-            frame="agent",
-        ),
-        Block(
-            name="own_wrench",
-            size=3,
-            describe="force and torque this agent applied",
-            unit="N, N, N·m",
-            frame="agent",
-        ),
-        Block(
-            name="partner_wrench",
-            size=EachOther(3),
-            describe="force and torque each other agent applied",
-            unit="N, N, N·m",
-            frame="agent",
-        ),
-        Block(
-            name="own_internal",
-            size=3,
-            describe="internal part of this agent's wrench",
-            unit="N, N, N·m",
-            frame="agent",
-        ),
-        Block(
-            name="partner_internal",
-            size=EachOther(3),
-            describe="internal part of each other agent's wrench",
-            unit="N, N, N·m",
-            frame="agent",
-        ),
-        Block(
-            name="load_share",
-            size=2,
-            describe="this agent's share of the force and of the torque; 1/n where undefined",
-            low=0.0,
-            high=1.0,
-            unit="1",
-        ),
-        Block(
-            name="relative_cost",
-            size=1,
-            describe="γ, the fraction of the applied wrench's cost that was compensated",
-            unit="1",
-        ),
-        Block(
-            name="known",
-            size=2,
-            describe="whether this agent is told the goal's place, and its angle; else they read 0",
-            read=_known,
-            low=0.0,
-            high=1.0,
-            unit="1",
-        ),
-        Block(
-            name="body",
-            size=EachOther(4, own=9),
-            describe="mass, inertia, linear drag, angular drag, friction, length; then of each "
-            "agent, its own first, x and y of the grip from the centre of mass (its own: x), force "
-            "limit, torque limit",
-            read=privileged,
-            unit="kg, kg·m², N·s/m, N·m·s, 1, m, m, N, N·m, then m, m, N, N·m",
-            frame="agent",
-        ),
-        Block(
-            name="time",
-            size=1,
-            describe="what is left of the episode, from 1 down to 0",
-            read=_time_left,
-            low=0.0,
-            high=1.0,
-            unit="1",
-        ),
-        ranges(),
-        ranges(whose="partners"),
-    )
-}
-
-DEFAULT_BLOCKS = VIEW_PARTS
-_OWN = ("goal", "known", "twist", "own_wrench", "obstacles")
-SENSING: dict[str, tuple[str, ...]] = {  # the words for it that `TransportConfig` takes
-    "own": _OWN,  # what an agent feels and sees by itself
-    "shared": (  # what its partners feel and see too, and what takes all wrenches to know
-        *_OWN,
-        "partner_wrench",
-        "partner_obstacles",
-        "own_internal",
-        "partner_internal",
-        "load_share",
-        "relative_cost",
-    ),
-}
 
 
 class Observation:
@@ -168,13 +50,8 @@ class Observation:
 
     def __init__(self, blocks: Sequence[Entry], num_agents: int, num_worlds: int = 1):
         chosen = [find_block(block) for block in blocks]
-        sizes = [block.width(num_agents) for block in chosen]
-        ends = np.cumsum(sizes).tolist()
-        self.size: int = ends[-1]
-        self.blocks = {
-            block.name: slice(end - size, end)
-            for block, size, end in zip(chosen, sizes, ends, strict=True)
-        }
+        self.blocks = side_by_side(chosen, num_agents)
+        self.size = sum(block.width(num_agents) for block in chosen)
         low = [block.spread(block.low, num_agents, "low") for block in chosen]
         high = [block.spread(block.high, num_agents, "high") for block in chosen]
         self.low = np.concatenate(low).astype(np.float32)
@@ -187,8 +64,7 @@ class Observation:
             for block, entry in zip(chosen, blocks, strict=True)
             if isinstance(entry, Sensor)
         }
-        whole_view = chosen == [BLOCKS[name] for name in VIEW_PARTS]
-        self._is_whole_view = whole_view and not self._instruments
+        self._is_whole_view = chosen == list(VIEW) and not self._instruments
 
     def __call__(
         self, transition: Transition, worlds: IntArray | None = None
@@ -198,7 +74,7 @@ class Observation:
         ``worlds`` says which ones the rows of ``transition`` are of, if it is not all of them.
         Delayed readings are right where every step of an episode has been read once, in order.
         """
-        view = transition.agent_view()
+        view = agent_view(transition)
         if self._is_whole_view:
             return view
         seen = np.empty((*view.shape[:2], self.size), dtype=np.float32)

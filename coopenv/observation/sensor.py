@@ -105,7 +105,8 @@ class Instruments:
         self._bias = block.spread(sensor.bias, num_agents, "sensor.bias")
         bounds = [block.spread(getattr(block, end), num_agents, end) for end in ("low", "high")]
         self._bounds = np.clip(bounds, -_LARGEST, _LARGEST)
-        self._told = block.spread(block.told or -1, num_agents, "told").astype(np.int64)
+        needed = block.spread(block.needs_told or -1, num_agents, "needs_told")
+        self._needed = needed.astype(np.int64)
         self._is_random, width = sensor.is_random, block.width(num_agents)
         self._offset = np.zeros((num_worlds, num_agents, width))
         self._kept = np.zeros((sensor.delay + 1, num_worlds, num_agents, width), np.float32)
@@ -131,7 +132,7 @@ class Instruments:
                 self._bounds,
                 self._offset,
             )
-            _hide(seen, conditions.told, self._told)
+            _hide(seen, conditions.told, self._needed)
         if len(self._kept) > 1:
             _delay(seen, steps, worlds, self._kept)
         return seen

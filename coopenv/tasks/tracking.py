@@ -121,7 +121,7 @@ class TrackingTask(PoseTask):
                 read=_read_preview,
                 unit=", ".join(["m, m, 1, 1"] * count),
                 frame="agent",
-                told=(0, 0, 1, 1) * count,
+                needs_told=(0, 0, 1, 1) * count,
             ),
             Block(
                 name="reference_twist",
@@ -130,7 +130,7 @@ class TrackingTask(PoseTask):
                 read=_read_reference_twist,
                 unit="m/s, m/s, rad/s",
                 frame="agent",
-                told=(0, 0, 1),
+                needs_told=(0, 0, 1),
             ),
         )
 

@@ -1,0 +1,180 @@
+"""The agents' view: goal, motion and wrenches of a step in each agent's frame, one row an agent.
+
+`VIEW` is the table of a row: its blocks in order, with their sizes. Where each begins, and how wide
+a row is, follows from it.
+"""
+
+from collections import namedtuple
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from coopenv.arrays import IntArray
+from coopenv.compiled import compiled, inlined
+from coopenv.geometry.frames import rotated, rotated_back
+from coopenv.observation.block import Block, EachOther, side_by_side
+from coopenv.transition import Transition
+
+VIEW = (
+    Block(
+        name="goal",
+        size=4,
+        describe="way from the object to its goal: Δx, Δy, cos Δθ, sin Δθ; 0 where not told",
+        unit="m, m, 1, 1",
+        frame="agent",
+        needs_told=(0, 0, 1, 1),
+    ),
+    Block(
+        name="twist",
+        size=3,
+        describe="velocity of the object's centre of mass, and its spin",
+        unit="m/s, m/s, rad/s",
+        frame="agent",
+    ),
+    Block(
+        name="own_wrench",
+        size=3,
+        describe="force and torque this agent applied",
+        unit="N, N, N·m",
+        frame="agent",
+    ),
+    Block(
+        name="partner_wrench",
+        size=EachOther(3),
+        describe="force and torque each other agent applied",
+        unit="N, N, N·m",
+        frame="agent",
+    ),
+    Block(
+        name="own_internal",
+        size=3,
+        describe="internal part of this agent's wrench",
+        unit="N, N, N·m",
+        frame="agent",
+    ),
+    Block(
+        name="partner_internal",
+        size=EachOther(3),
+        describe="internal part of each other agent's wrench",
+        unit="N, N, N·m",
+        frame="agent",
+    ),
+    Block(
+        name="load_share",
+        size=2,
+        describe="this agent's share of the force and of the torque; 1/n where undefined",
+        low=0.0,
+        high=1.0,
+        unit="1",
+    ),
+    Block(
+        name="relative_cost",
+        size=1,
+        describe="γ, the fraction of the applied wrench's cost that was compensated",
+        unit="1",
+    ),
+)
+VIEW_PARTS = tuple(block.name for block in VIEW)
+
+_PART = namedtuple("_PART", VIEW_PARTS)(*range(len(VIEW)))  # the number of each, for the kernel
+
+
+def view_slices(num_agents: int) -> dict[str, slice]:
+    """Where each block of the view lies in a row of a team of ``num_agents``."""
+    return side_by_side(VIEW, num_agents)
+
+
+@lru_cache
+def _ends(num_agents: int) -> IntArray:
+    """Where each block begins, and at the end the width of a row."""
+    slices = view_slices(num_agents).values()
+    ends = np.array([0, *(part.stop for part in slices)])
+    ends.flags.writeable = False  # every view of such a team shares it
+    return ends
+
+
+def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
+    """What each agent's frame shows of the end of a step: `VIEW`, ``(world, agent, feature)``.
+
+    A fresh array. What an agent is not told reads 0, a share that is not defined 1/n.
+    """
+    decomposition, state = transition.decomposition, transition.next_state
+    team, share = transition.team, decomposition.load_share
+    return _seen(
+        _ends(team.num_agents),
+        state.pose,
+        state.twist,
+        state.goal,
+        transition.conditions.told,
+        team.frame,
+        transition.applied,
+        decomposition.internal,
+        share.force,
+        share.torque,
+        decomposition.relative_cost,
+    )
+
+
+# Flat parameters: numba takes 2 µs longer to unpack a named tuple of them in a call from Python.
+@compiled
+def _seen(
+    begin, pose, twist, goal, told, frame, applied, internal, force_share, torque_share, cost
+):
+    """See `agent_view`.
+
+    Parameters
+    ----------
+    begin
+        Of each block in a row, and the row's width.
+    pose, twist, goal
+        ``(world, 3)``, world frame.
+    told
+        ``(world, agent, 2)``: whether an agent is told the goal's place and its angle.
+    frame
+        ``(world, agent, 2)``.
+    applied, internal
+        ``(world, agent, 3)``, object frame.
+    force_share, torque_share, cost
+        ``(world, agent)`` twice, ``(world,)``.
+    """
+    num_worlds, num_agents = frame.shape[:2]
+    seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
+    for k in range(num_worlds):
+        cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
+        dx, dy, turn = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1], goal[k, 2] - pose[k, 2]
+        cos_turn, sin_turn = np.cos(turn), np.sin(turn)
+        for i in range(num_agents):
+            row, c_own, s_own = seen[k, i], frame[k, i, 0], frame[k, i, 1]
+            c, s = rotated(cos_object, sin_object, c_own, s_own)
+
+            at = begin[_PART.goal]
+            away, across = rotated_back(c, s, dx, dy)
+            row[at], row[at + 1] = (away, across) if told[k, i, 0] else (0.0, 0.0)
+            row[at + 2], row[at + 3] = (cos_turn, sin_turn) if told[k, i, 1] else (0.0, 0.0)
+
+            at = begin[_PART.twist]
+            row[at], row[at + 1] = rotated_back(c, s, twist[k, 0], twist[k, 1])
+            row[at + 2] = twist[k, 2]
+
+            _write_wrench(applied, k, i, c_own, s_own, row, begin[_PART.own_wrench])
+            _write_wrench(internal, k, i, c_own, s_own, row, begin[_PART.own_internal])
+            for step in range(num_agents - 1):  # the others in order
+                other = (i + 1 + step) % num_agents
+                at = begin[_PART.partner_wrench] + 3 * step
+                _write_wrench(applied, k, other, c_own, s_own, row, at)
+                at = begin[_PART.partner_internal] + 3 * step
+                _write_wrench(internal, k, other, c_own, s_own, row, at)
+
+            at, force, torque = begin[_PART.load_share], force_share[k, i], torque_share[k, i]
+            row[at] = 1 / num_agents if np.isnan(force) else force
+            row[at + 1] = 1 / num_agents if np.isnan(torque) else torque
+            row[begin[_PART.relative_cost]] = cost[k]
+    return seen
+
+
+@inlined
+def _write_wrench(wrench, k, agent, c, s, row, at):
+    """Write an agent's wrench as it is seen along the axis (c, s) of the object frame."""
+    row[at], row[at + 1] = rotated_back(c, s, wrench[k, agent, 0], wrench[k, agent, 1])
+    row[at + 2] = wrench[k, agent, 2]
