@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray
+from coopenv.chance import draw_keys
 from coopenv.conditions import Conditions, Load, Room, Team
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
@@ -99,8 +100,7 @@ class Draws:
                 plan=plan,
             )
         if self._needs_keys and chosen:  # after all else, which so stays as it is without sensors
-            keys = np.array([_key(generators[k]) for k in chosen], dtype=np.uint64)
-            conditions = conditions.with_keys(worlds, keys)
+            conditions = conditions.with_keys(worlds, draw_keys(generators, worlds))
         return conditions, start, goal
 
     def _carried(self, generator: np.random.Generator | None, k: int) -> tuple[Body, FloatArray]:
@@ -189,8 +189,3 @@ def _plans(episodes: Sequence[Episode], before: Conditions) -> FloatArray:
             "fill it up with zeros"
         )
     return np.array([episode.plan for episode in episodes], dtype=np.float64)
-
-
-def _key(generator: np.random.Generator | None) -> int:
-    assert generator is not None
-    return int(generator.integers(2**64, dtype=np.uint64))

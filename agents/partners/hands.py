@@ -4,11 +4,11 @@ from math import cos, exp, sin
 
 import numpy as np
 
+from coopenv.chance import fraction, mixed, polar_normal
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
 
 from ..controllers.guidance import object_wrench, triple
-from .chance import fraction, mixed, normal
 from .traits import (
     AWAY_TURN,
     AWAY_X,
@@ -246,7 +246,8 @@ def _shake(force, torque, draw, memory, k, slot):
     for number in range(memory.shape[2]):
         for j in range(3):
             spread = force if j < 2 else torque
-            memory[k, slot, number, j] += spread * normal(mixed(noise, np.uint64(3 * number + j)))
+            key = mixed(noise, np.uint64(3 * number + j))
+            memory[k, slot, number, j] += spread * polar_normal(key)
 
 
 @inlined

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array, positive, whole
+from coopenv.chance import Chance
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 
 from ..controllers.guidance import NUM_GAINS, gains_row
 from ..controllers.impedance import Gains
 from . import traits
-from .chance import Chance
 from .traits import Span, checked_span, drawn, highest, same_twice
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray
+from coopenv.chance import Chance, draw_keys
 from coopenv.compiled import compiled
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.geometry.frames import rotated, wrapped
@@ -11,7 +12,6 @@ from coopenv.transition import Transition
 from coopenv.wrench.grasp import grasp_matrix
 
 from . import traits
-from .chance import Chance, draw_keys
 from .hands import act
 from .kinds import Kind
 

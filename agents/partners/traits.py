@@ -10,9 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array
+from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
-
-from .chance import Chance
 
 Span: TypeAlias = float | tuple[float, float]  # a number, or drawn between two in every episode
 

@@ -12,7 +12,6 @@ import coopenv
 from coopenv import BLOCKS, Block, Sensor, Transport
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
-from coopenv.observation.sensor import normal
 from tests.helpers import NEVER, OPEN_ROOM, TRIO, actions
 
 NOISY = Sensor("twist", noise=0.02, bias=0.01, delay=2)
@@ -43,17 +42,6 @@ def test_noise_is_normal_of_the_deviation_given_and_new_everywhere():
     for axis in (0, 1):  # one step after the other, one world beside the other
         first, second = np.delete(drawn, 0, axis).ravel(), np.delete(drawn, -1, axis).ravel()
         assert abs(np.corrcoef(first, second)[0, 1]) < 4 / np.sqrt(first.size)
-
-
-def test_a_keys_normal_number_is_the_quantile_of_its_uniform_one():
-    generator = np.random.default_rng(0)
-    keys = generator.integers(2**64, size=2000, dtype=np.uint64)
-    rare = np.uint64(1) << np.arange(13, 64, dtype=np.uint64)  # down to a chance of 2⁻⁵²
-    for key in np.concatenate([keys, rare, ~rare, [np.uint64(0), np.uint64(2**64 - 1)]]):
-        count = int(key) >> 12
-        below, above = (count + 0.5) / 2**52, (2**52 - count - 0.5) / 2**52
-        wanted = stats.norm.ppf(below) if below < 0.5 else stats.norm.isf(above)
-        assert normal(key) == pytest.approx(wanted, rel=1e-6, abs=1e-7)
 
 
 def test_a_bias_stays_for_an_episode_and_is_each_agents_own():

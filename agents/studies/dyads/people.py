@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, finite_array, positive
+from coopenv.chance import Chance
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
@@ -18,7 +19,6 @@ from ...controllers.doorway import DoorwayController
 from ...controllers.guidance import gains_row
 from ...controllers.impedance import Gains
 from ...partners import Person, traits
-from ...partners.chance import Chance
 from ...partners.kinds import Kind
 
 Span = tuple[float, float]

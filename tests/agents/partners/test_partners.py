@@ -22,7 +22,6 @@ from coopenv.agents.partners import (
     Switching,
     find_partner,
 )
-from coopenv.agents.partners.chance import Chance
 from coopenv.agents.partners.traits import DELAY
 from coopenv.errors import InvalidInput, UnknownName
 from tests.helpers import CLUTTERED, OPEN_ROOM, OPTIONS, TRIO
@@ -350,19 +349,6 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
                 weights, size[k], load.outline, k, body.reach,
             )  # fmt: skip
             np.testing.assert_allclose(mine, wanted[k], rtol=1e-9, atol=1e-9)
-
-
-def test_chance_is_uniform_and_its_branches_are_independent():
-    chance = Chance(np.arange(20_000, dtype=np.uint64))
-    names = ("offset", "turn", "noise14", "noise15")
-    numbers = [chance.uniform(name) for name in names]
-    numbers += [chance.branch("first").uniform("offset"), chance.branch("second").uniform("offset")]
-    for drawn in numbers:
-        assert (drawn >= 0).all()
-        assert (drawn < 1).all()
-        np.testing.assert_allclose(np.histogram(drawn, 10, (0, 1))[0] / 20_000, 0.1, atol=0.012)
-    between = np.corrcoef(numbers) - np.eye(len(numbers))
-    assert np.abs(between).max() < 0.03
 
 
 @pytest.mark.parametrize(
