@@ -63,7 +63,7 @@ def seen_from(at_x, at_y, c, s, x, y):
 
 
 def moved(points: npt.ArrayLike, pose: Sequence[float] | FloatArray) -> FloatArray:
-    """Points ``(point, 2)`` [m] of a frame at ``pose`` (x, y [m], θ [rad]), seen from outside."""
+    """Points ``(..., 2)`` [m] of a frame at ``pose`` (x, y [m], θ [rad]), seen from outside."""
     c, s = cos(pose[2]), sin(pose[2])
     return np.asarray(points) @ np.array([(c, s), (-s, c)]) + np.asarray(pose[:2])
 

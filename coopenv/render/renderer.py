@@ -1,6 +1,5 @@
 """Pictures of a transition: who applies what, and which part of it goes nowhere."""
 
-import os
 from collections.abc import Sequence
 from math import cos, sin
 from typing import Any
@@ -9,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, positive, whole
-from coopenv.errors import InvalidInput, MissingExtra, UnknownName
-from coopenv.files import written
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.geometry.frames import moved
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.render.canvas import Canvas, Picture, Window, around
@@ -234,8 +233,9 @@ class Renderer:
         wrenches = np.stack([transition.applied[k], transition.decomposition.internal[k]])
         force_limit, torque_limit = transition.team.limits[k].max(axis=0)
         longest = max(0.8 * self.body.reach, 0.12 * min(self.scene.size))  # [m] at the limit
-        to_pixels = self._scale * longest / force_limit * _rotation(pose[2]).T * (1, -1)  # [px/N]
-        forces = wrenches[..., :2] @ to_pixels  # (applied or internal, agent, 2) [px]
+        to_pixels = self._scale * longest / force_limit * np.array([1, -1])  # [px/N]
+        turned = moved(wrenches[..., :2], (0.0, 0.0, pose[2]))  # world frame [N]
+        forces = to_pixels * turned  # (applied or internal, agent, 2) [px]
         turns = FULL_TURN * np.clip(wrenches[..., 2] / torque_limit, -1.2, 1.2)  # [rad]
         frames = transition.team.frame[k]
         outwards = pose[2] + np.arctan2(-frames[:, 1], -frames[:, 0])  # away from the centre [rad]
@@ -265,86 +265,8 @@ class Renderer:
 
     def _placed(self, points: npt.ArrayLike, pose: FloatArray) -> FloatArray:
         """Points of the object frame [m] in the picture [px]."""
-        return self._pixels(np.asarray(points) @ _rotation(pose[2]).T + pose[:2])
+        return self._pixels(moved(points, pose))
 
     def _pixels(self, points: npt.ArrayLike) -> FloatArray:
         """Points of the world frame [m] in the picture [px]."""
         return self._center + self._scale * np.asarray(points, dtype=np.float64) * (1, -1)
-
-
-def save_png(path: str | os.PathLike, frame: npt.ArrayLike) -> None:
-    """Write one picture ``(height, width, 3)`` uint8; whole or not at all."""
-    image = _pillow().fromarray(_checked(frame))
-    with written(path) as part, part.open("wb") as file:
-        image.save(file, format="PNG", optimize=True)
-
-
-def save_gif(path: str | os.PathLike, frames: Sequence[Picture], *, fps: float) -> None:
-    """Write pictures as an endlessly repeated animation; whole or not at all.
-
-    All pictures share one palette, so that what does not move costs nothing. A GIF counts
-    hundredths of a second, and viewers slow down what is faster than 50 pictures a second.
-    """
-    images = _pillow()
-    if not len(frames):
-        raise InvalidInput("frames must hold at least one picture, got none; draw some first")
-    hundredths = max(2, round(100 / positive(fps, "fps")))
-    pictures = [_checked(frame) for frame in frames]
-    if len({picture.shape for picture in pictures}) > 1:
-        raise InvalidInput(
-            "frames must all be of one size, got several; write one file for each renderer"
-        )
-    palette = _palette(pictures)
-    quantized = (images.fromarray(p).quantize(palette=palette, dither=0) for p in pictures)
-    with written(path) as part, part.open("wb") as file:
-        next(quantized).save(
-            file,
-            format="GIF",
-            save_all=True,
-            append_images=quantized,
-            duration=10 * hundredths,
-            loop=0,
-        )
-
-
-def _palette(pictures: Sequence[Picture]) -> Any:
-    """A paletted image with the commonest colours as they are and the others by median cut."""
-    images = _pillow()
-    chosen = np.linspace(0, len(pictures) - 1, min(12, len(pictures))).round().astype(int)
-    colors = np.concatenate([pictures[k].reshape(-1, 3) for k in chosen]).astype(np.uint32)
-    packed = colors @ np.array([1 << 16, 1 << 8, 1], dtype=np.uint32)
-    found, counts = np.unique(packed, return_counts=True)
-    found = np.stack([found >> 16, found >> 8 & 255, found & 255], axis=-1).astype(np.uint8)
-    commonest = found[np.argsort(-counts, kind="stable")[:32]]
-    weighted = np.repeat(found, np.ceil(np.sqrt(counts)).astype(int), axis=0)  # for the rare ones
-    cut = images.fromarray(weighted[None]).quantize(128).getpalette()
-    entries: list[npt.NDArray] = []
-    for color in np.concatenate([commonest, np.reshape(cut, (-1, 3))]).astype(int):
-        # Pillow looks colours up in cells of 4: nearer ones than 8 would be taken for each other.
-        if all(np.abs(color - entry).max() >= 8 for entry in entries):
-            entries.append(color)
-    palette = images.new("P", (1, 1))
-    palette.putpalette(np.concatenate(entries).tolist())
-    return palette
-
-
-def _checked(frame: npt.ArrayLike) -> Picture:
-    picture = np.asarray(frame)
-    if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3:
-        raise InvalidInput(
-            f"frame must be (height, width, 3) uint8, got {picture.dtype} of shape "
-            f"{picture.shape}; pass what Renderer.draw returns in rgb_array mode"
-        )
-    return picture
-
-
-def _pillow() -> Any:
-    try:
-        from PIL import Image
-    except ImportError as error:
-        raise MissingExtra("saving pictures", "render") from error
-    return Image
-
-
-def _rotation(angle: float) -> FloatArray:
-    return np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
