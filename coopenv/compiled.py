@@ -14,6 +14,9 @@
     only compiled code can call and which are cached with whoever calls them, and the function that
     Python calls.
 
+Between kernels, numbers that belong together go as a named tuple, at no cost. What Python calls
+takes its arrays one by one, as unpacking a named tuple takes longer than a small batch.
+
 In all of them dividing by zero is no error, and none but a gufunc holds the interpreter's lock
 (NumPy releases it for those).
 

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, number, positive, whole
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.geometry.frames import placed, rotated, rotated_back, seen_from
 from coopenv.observation.block import Block, EachOther
 from coopenv.transition import Transition
 
@@ -154,28 +156,45 @@ def _of_the_others(seen: FloatArray) -> FloatArray:
 # The loops over rays hold no branch and no call that LLVM would not turn into vector instructions.
 
 
+class _Place(NamedTuple):
+    """Where rays begin, and the direction of the x axis that they are given along."""
+
+    x: float  # [m]
+    y: float
+    c: float
+    s: float
+
+
+class _Solids(NamedTuple):
+    """What is solid in one world; see `coopenv.conditions.Room`."""
+
+    half: Any  # [m], of the room's size
+    boxes: Any
+    axes: Any
+
+
 @compiled
-def _to_walls(px, py, half, c, s, rays, reach, out):
+def _to_walls(place, half, rays, reach, out):
     """Ways from inside a rectangle about the origin to its edge, at most ``reach``."""
     for j in range(rays.shape[1]):
-        dx, dy = c * rays[0, j] - s * rays[1, j], s * rays[0, j] + c * rays[1, j]
+        dx, dy = rotated(place.c, place.s, rays[0, j], rays[1, j])
         dx = dx if abs(dx) > _LEVEL else _LEVEL
         dy = dy if abs(dy) > _LEVEL else _LEVEL
-        to_x = ((half[0] if dx > 0.0 else -half[0]) - px) / dx
-        to_y = ((half[1] if dy > 0.0 else -half[1]) - py) / dy
+        to_x = ((half[0] if dx > 0.0 else -half[0]) - place.x) / dx
+        to_y = ((half[1] if dy > 0.0 else -half[1]) - place.y) / dy
         way = to_x if to_x < to_y else to_y
         out[j] = way if way < reach else reach
 
 
 @compiled
-def _to_box(px, py, half_x, half_y, c, s, rays, out):
+def _to_box(place, half, rays, out):
     """Shorten ``out`` to the ways to a box about the origin, from outside of it (slabs)."""
     for j in range(rays.shape[1]):
-        dx, dy = c * rays[0, j] - s * rays[1, j], s * rays[0, j] + c * rays[1, j]
+        dx, dy = rotated(place.c, place.s, rays[0, j], rays[1, j])
         per_x = 1.0 / (dx if abs(dx) > _LEVEL else _LEVEL)
         per_y = 1.0 / (dy if abs(dy) > _LEVEL else _LEVEL)
-        left, right = (-half_x - px) * per_x, (half_x - px) * per_x
-        low, high = (-half_y - py) * per_y, (half_y - py) * per_y
+        left, right = (-half[0] - place.x) * per_x, (half[0] - place.x) * per_x
+        low, high = (-half[1] - place.y) * per_y, (half[1] - place.y) * per_y
         in_x, out_x = (left, right) if left < right else (right, left)
         in_y, out_y = (low, high) if low < high else (high, low)
         enter = in_x if in_x > in_y else in_y
@@ -194,33 +213,34 @@ def _nearest_wall(px, py, half):
 
 
 @compiled
-def _read_one(x, y, c, s, half, boxes, axes, rays, reach, out):
-    """Readings from a point in the room, in a frame whose x is along (c, s)."""
-    num_rays = rays.shape[1]
-    to_x, to_y, nearest = _nearest_wall(x, y, half)
+def _read_one(place, solids, rays, reach, out):
+    """Readings at a place in the room, world frame."""
+    num_rays, boxes = rays.shape[1], solids.boxes
+    to_x, to_y, nearest = _nearest_wall(place.x, place.y, solids.half)
     if nearest > 0.0:
-        _to_walls(x, y, half, c, s, rays, reach, out)
+        _to_walls(place, solids.half, rays, reach, out)
     for b in range(len(boxes)):
         if nearest <= 0.0:
             break
-        cb, sb = axes[b, 0], axes[b, 1]
-        ox, oy = x - boxes[b, 0], y - boxes[b, 1]
-        px, py = cb * ox + sb * oy, cb * oy - sb * ox
-        half_x, half_y = 0.5 * boxes[b, 2], 0.5 * boxes[b, 3]
-        qx = min(max(px, -half_x), half_x) - px
-        qy = min(max(py, -half_y), half_y) - py
+        c, s = solids.axes[b, 0], solids.axes[b, 1]
+        half = (0.5 * boxes[b, 2], 0.5 * boxes[b, 3])
+        px, py = seen_from(boxes[b, 0], boxes[b, 1], c, s, place.x, place.y)
+        qx = min(max(px, -half[0]), half[0]) - px
+        qy = min(max(py, -half[1]), half[1]) - py
         away = np.sqrt(qx * qx + qy * qy)
         if away < nearest:
-            to_x, to_y, nearest = cb * qx - sb * qy, sb * qx + cb * qy, away
-        if 0.0 < away < reach:  # the frame seen from the box's
-            _to_box(px, py, half_x, half_y, c * cb + s * sb, s * cb - c * sb, rays, out)
+            to_x, to_y = rotated(c, s, qx, qy)
+            nearest = away
+        if 0.0 < away < reach:
+            ahead, aside = rotated_back(c, s, place.c, place.s)
+            _to_box(_Place(px, py, ahead, aside), half, rays, out)
     if nearest <= 0.0:
         out[:] = 0.0
         return
     shrink = min(reach / nearest, 1.0)
-    along, across = (c * to_x + s * to_y) * shrink, (c * to_y - s * to_x) * shrink
-    out[num_rays] = min(max(along, -reach), reach)
-    out[num_rays + 1] = min(max(across, -reach), reach)
+    along, across = rotated_back(place.c, place.s, to_x, to_y)
+    out[num_rays] = min(max(along * shrink, -reach), reach)
+    out[num_rays + 1] = min(max(across * shrink, -reach), reach)
     out[num_rays + 2] = min(nearest, reach)
 
 
@@ -253,13 +273,11 @@ def read_ranges(pose, grips, frame, size, boxes, axes, count, rays, reach):
     seen = np.empty((num_worlds, num_agents, rays.shape[1] + NEAREST))
     for k in range(num_worlds):
         half = (0.5 * size[k, 0], 0.5 * size[k, 1])
-        here, turned = boxes[k, : count[k]], axes[k, : count[k]]
+        solids = _Solids(half, boxes[k, : count[k]], axes[k, : count[k]])
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         for i in range(num_agents):
             gx, gy = grips[k, i, 0], grips[k, i, 1]
-            x = pose[k, 0] + cos_object * gx - sin_object * gy
-            y = pose[k, 1] + sin_object * gx + cos_object * gy
-            c = cos_object * frame[k, i, 0] - sin_object * frame[k, i, 1]
-            s = sin_object * frame[k, i, 0] + cos_object * frame[k, i, 1]
-            _read_one(x, y, c, s, half, here, turned, rays, reach, seen[k, i])
+            x, y = placed(pose[k, 0], pose[k, 1], cos_object, sin_object, gx, gy)
+            c, s = rotated(cos_object, sin_object, frame[k, i, 0], frame[k, i, 1])
+            _read_one(_Place(x, y, c, s), solids, rays, reach, seen[k, i])
     return seen

@@ -116,7 +116,6 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     )
 
 
-# Flat parameters: numba takes 2 µs longer to unpack a named tuple of them in a call from Python.
 @compiled
 def _seen(
     begin, pose, twist, goal, told, frame, applied, internal, force_share, torque_share, cost

@@ -15,6 +15,8 @@ A body on wheels does not slip sideways: with u its speed along its own x, e(θ)
 u has a closed form too, and the path is the integral of u, met exactly, times e at the same nodes.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
@@ -30,8 +32,8 @@ DECAY, COAST, SPIN_DECAY, SPIN_COAST = 0, 1, 2, 3  # what is left of v, ω; path
 SPIN_GAIN, TURN_GAIN = 4, 5  # ω and θ gained a unit of torque
 NODE_COAST, NODE_TURN = 6, 9  # the angle at each node, a unit of ω and of torque
 NODE_SPEED, NODE_PATH = 12, 15  # velocity and path gained a unit of force, by node
-MASS, INERTIA, WHEELS = 18, 19, 20
-NUM_COEFFICIENTS = 21
+MASS, INERTIA, WHEELS, REACH = 18, 19, 20, 21
+NUM_COEFFICIENTS = 22
 # On wheels, in place of NODE_SPEED and NODE_PATH: path a unit of speed, and of force, by node.
 NODE_ROLL, NODE_PUSH = NODE_SPEED, NODE_PATH
 
@@ -45,10 +47,12 @@ def coefficients(
     angular_drag: FloatArray,
     step: float,
     wheels: BoolArray | None = None,
+    reach: FloatArray | None = None,
 ) -> FloatArray:
     """Tabulate the motion over one substep of ``step`` seconds, ``(world, NUM_COEFFICIENTS)``.
 
-    ``wheels`` ``(world,)`` marks the bodies that do not slip sideways.
+    ``wheels`` ``(world,)`` marks the bodies that do not slip sideways. ``reach`` ``(world,)`` [m],
+    the longest lever of a contact, is for `collect`.
     """
     rate, spin_rate = linear_drag / mass, angular_drag / inertia  # [1/s]
     table = np.empty((len(mass), NUM_COEFFICIENTS))
@@ -75,6 +79,7 @@ def coefficients(
         table[:, NODE_SPEED + i] = (decayed * weights).sum(axis=1) * step / weight
         table[:, NODE_PATH + i] = (coasted * weights).sum(axis=1) * step / mass
     table[:, MASS], table[:, INERTIA] = mass, inertia
+    table[:, REACH] = np.inf if reach is None else reach
     return table
 
 
@@ -92,46 +97,65 @@ def _pushed(rate: FloatArray, time: float) -> FloatArray:
     return np.where(near, series, (time - _coasted(rate, time)) / np.where(near, 1, rate))
 
 
+class Motion(NamedTuple):
+    """How a body moves at the beginning of a substep, and the wrench it is under all through it."""
+
+    angle: float  # [rad]
+    vx: float  # world frame [m/s]
+    vy: float
+    spin: float  # [rad/s]
+    fx: float  # object frame [N]
+    fy: float
+    torque: float  # [N·m]
+
+
 @inlined
-def advance(table, k, angle, vx, vy, spin, fx, fy, torque):
+def advance(table, k, motion):
     """Pose change and twist after one substep: ``(dx, dy, dθ, vx, vy, ω)``, world frame.
 
-    ``k`` is the world's row of the coefficient table; the force is in the object frame.
+    ``k`` is the world's row of the coefficient table, ``motion`` a `Motion`.
     """
-    dx, dy = table[k, COAST] * vx, table[k, COAST] * vy
-    speed_x, speed_y = table[k, DECAY] * vx, table[k, DECAY] * vy
+    dx, dy = table[k, COAST] * motion.vx, table[k, COAST] * motion.vy
+    vx, vy = table[k, DECAY] * motion.vx, table[k, DECAY] * motion.vy
     for i in range(3):
-        at = angle + table[k, NODE_COAST + i] * spin + table[k, NODE_TURN + i] * torque
-        world_x, world_y = rotated(np.cos(at), np.sin(at), fx, fy)
-        dx += table[k, NODE_PATH + i] * world_x
-        dy += table[k, NODE_PATH + i] * world_y
-        speed_x += table[k, NODE_SPEED + i] * world_x
-        speed_y += table[k, NODE_SPEED + i] * world_y
-    turn = table[k, SPIN_COAST] * spin + table[k, TURN_GAIN] * torque
-    return (
-        dx,
-        dy,
-        turn,
-        speed_x,
-        speed_y,
-        table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * torque,
-    )
+        at = _angle_at(table, k, i, motion)
+        force_x, force_y = rotated(np.cos(at), np.sin(at), motion.fx, motion.fy)
+        dx += table[k, NODE_PATH + i] * force_x
+        dy += table[k, NODE_PATH + i] * force_y
+        vx += table[k, NODE_SPEED + i] * force_x
+        vy += table[k, NODE_SPEED + i] * force_y
+    turn, spin = _turned(table, k, motion)
+    return dx, dy, turn, vx, vy, spin
 
 
 @inlined
-def roll(table, k, angle, vx, vy, spin, fx, torque):
-    """`advance` for a body on wheels; of its velocity only the part along its x counts."""
-    speed = np.cos(angle) * vx + np.sin(angle) * vy
+def roll(table, k, motion):
+    """`advance` for a body on wheels; of velocity and force only the parts along its x count."""
+    speed = np.cos(motion.angle) * motion.vx + np.sin(motion.angle) * motion.vy
     dx, dy = 0.0, 0.0
     for i in range(3):
-        at = angle + table[k, NODE_COAST + i] * spin + table[k, NODE_TURN + i] * torque
-        path = table[k, NODE_ROLL + i] * speed + table[k, NODE_PUSH + i] * fx
+        at = _angle_at(table, k, i, motion)
+        path = table[k, NODE_ROLL + i] * speed + table[k, NODE_PUSH + i] * motion.fx
         dx += path * np.cos(at)
         dy += path * np.sin(at)
-    turn = table[k, SPIN_COAST] * spin + table[k, TURN_GAIN] * torque
-    speed = table[k, DECAY] * speed + table[k, COAST] / table[k, MASS] * fx
-    end, later = angle + turn, table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * torque
-    return dx, dy, turn, speed * np.cos(end), speed * np.sin(end), later
+    turn, spin = _turned(table, k, motion)
+    speed = table[k, DECAY] * speed + table[k, COAST] / table[k, MASS] * motion.fx
+    end = motion.angle + turn
+    return dx, dy, turn, speed * np.cos(end), speed * np.sin(end), spin
+
+
+@inlined
+def _angle_at(table, k, i, motion):
+    """The angle at node ``i`` of the substep."""
+    coasted = motion.angle + table[k, NODE_COAST + i] * motion.spin
+    return coasted + table[k, NODE_TURN + i] * motion.torque
+
+
+@inlined
+def _turned(table, k, motion):
+    """The change of the angle over the substep, and the spin at its end."""
+    turn = table[k, SPIN_COAST] * motion.spin + table[k, TURN_GAIN] * motion.torque
+    return turn, table[k, SPIN_DECAY] * motion.spin + table[k, SPIN_GAIN] * motion.torque
 
 
 @compiled
@@ -180,16 +204,14 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
         ``(world, 3)`` written: the twist at the end if nothing is touched.
     """
     for k in range(len(rows)):
-        angle = pose[k, 2]
+        motion = Motion(
+            pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2],
+            wrench[k, 0], wrench[k, 1], wrench[k, 2],
+        )  # fmt: skip
         if table[k, WHEELS]:
-            dx, dy, turn, vx, vy, spin = roll(
-                table, k, angle, twist[k, 0], twist[k, 1], twist[k, 2], wrench[k, 0], wrench[k, 2]
-            )
+            dx, dy, turn, vx, vy, spin = roll(table, k, motion)
         else:
-            dx, dy, turn, vx, vy, spin = advance(
-                table, k, angle, twist[k, 0], twist[k, 1], twist[k, 2],
-                wrench[k, 0], wrench[k, 1], wrench[k, 2],
-            )  # fmt: skip
+            dx, dy, turn, vx, vy, spin = advance(table, k, motion)
         at, mean_x, mean_y, mean_spin = rows[k], dx / step, dy / step, turn / step
         command[at, 0], command[at, 1], command[at, 2] = mean_x, mean_y, mean_spin
         command[at, 3] = table[k, MASS] * (vx - mean_x) / step
@@ -199,7 +221,7 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
 
 
 @compiled
-def collect(rows, table, reach, origin, bounds, report, expected, pose, twist, impulse):
+def collect(rows, table, rooms, report, expected, pose, twist, impulse):
     """Read pymunk's buffer back and add up what contacts did to each body.
 
     The impulse of a substep is the least total of contact impulses that explains the change of
@@ -207,12 +229,26 @@ def collect(rows, table, reach, origin, bounds, report, expected, pose, twist, i
     A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x.
     (pymunk may still shift it sideways by as much as it had sunk into what it touches.)
 
-    Returns a world whose body is beyond ``bounds`` ``(world, 2)`` [m], or −1.
+    Parameters
+    ----------
+    rows, table, expected
+        As in `drive`.
+    rooms
+        ``(world, 4)`` [m]: the origin of each world in pymunk's space, and how far from it along x
+        and y a body may be.
+    report
+        ``(row, 6)``: position, angle, velocity, angular velocity.
+    pose, twist, impulse
+        ``(world, 3)`` twice and ``(world,)``, written; the impulse is added.
+
+    Returns
+    -------
+    A world whose body is farther from its origin than it may be, or −1.
     """
     lost = -1
     for k in range(len(rows)):
         at = report[rows[k]]
-        pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin[k, 0], at[1] - origin[k, 1], at[2]
+        pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - rooms[k, 0], at[1] - rooms[k, 1], at[2]
         dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
         speed = np.sqrt(dx * dx + dy * dy)
         rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
@@ -222,7 +258,7 @@ def collect(rows, table, reach, origin, bounds, report, expected, pose, twist, i
             rolling = c * expected[k, 0] + s * expected[k, 1]
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
         if speed > rounding or abs(spin) > rounding:
-            push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / reach[k])
+            push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / table[k, REACH])
             if table[k, WHEELS]:
                 along, spin, factor = yielded(table, k, c * dx + s * dy, dx, dy, spin)
                 push *= factor
@@ -231,6 +267,6 @@ def collect(rows, table, reach, origin, bounds, report, expected, pose, twist, i
             impulse[k] += push
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
-        if abs(pose[k, 0]) > bounds[k, 0] or abs(pose[k, 1]) > bounds[k, 1]:
+        if abs(pose[k, 0]) > rooms[k, 2] or abs(pose[k, 1]) > rooms[k, 3]:
             lost = k
     return lost

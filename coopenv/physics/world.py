@@ -156,13 +156,13 @@ class _Shard:
         self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float, reach: float
     ):
         self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
-        self._reach = np.array([body.reach for body in bodies])
         self._table = _table(bodies, substep)
         self.space = pymunk.Space()
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
         self._origin = _grid(scenes, reach)
-        self._bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
+        bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
+        self._rooms = np.concatenate([self._origin, bounds], axis=1)
         for scene, origin in zip(scenes, self._origin, strict=True):
             self._build(scene.walls(), origin, scene.friction)
         self._obstacles = [
@@ -179,7 +179,6 @@ class _Shard:
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         self._table[worlds] = _table(bodies, self._substep)
-        self._reach[worlds] = [body.reach for body in bodies]
         for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
             self._bodies[k] = body
             if scene == self._scenes[k]:
@@ -215,9 +214,7 @@ class _Shard:
         self.space.step(substep)
         self._reports.clear()
         batch.get_space_bodies(self.space, _REPORT, self._reports)
-        lost = motion.collect(
-            rows, table, self._reach, self._origin, self._bounds, self._report, expected, *reached
-        )
+        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
         if lost >= 0:
             x, y = reached[0][lost, :2]
             raise BodyLost(
@@ -263,6 +260,7 @@ def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
         np.array([body.angular_drag for body in bodies]),
         substep,
         np.array([body.nonholonomic for body in bodies]),
+        np.array([body.reach for body in bodies]),
     )
 
 

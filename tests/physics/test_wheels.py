@@ -70,7 +70,9 @@ def test_at_its_terminal_speed_and_spin_it_goes_round_the_analytic_arc():
     table = walker_table()
     x, y, angle, vx, vy, spin = 0.0, 0.0, 0.3, u * np.cos(0.3), u * np.sin(0.3), w
     for _ in range(400):  # 10 s
-        dx, dy, turn, vx, vy, spin = motion.roll(table, 0, angle, vx, vy, spin, force, torque)
+        dx, dy, turn, vx, vy, spin = motion.roll(
+            table, 0, motion.Motion(angle, vx, vy, spin, force, 0.0, torque)
+        )
         x, y, angle = x + dx, y + dy, angle + turn
     end = 0.3 + 10 * w
     arc = u / w * np.array([np.sin(end) - np.sin(0.3), np.cos(0.3) - np.cos(end)])
