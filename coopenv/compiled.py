@@ -63,7 +63,8 @@ def inlined(function: Callable[..., Any]) -> Any:
 def anywhere(function: Kernel) -> Kernel:
     """Leave a function to Python as it is, and compile it into each kernel that calls it."""
     _ANYWHERE.add(function)
-    return register_jitable(error_model="numpy", forceinline=True)(_known(function))
+    register_jitable(error_model="numpy", forceinline=True)(_known(function))
+    return function
 
 
 def fused(function: Callable[..., Any]) -> Any:

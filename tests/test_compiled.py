@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from coopenv import wrench
+from coopenv.geometry.frames import wrap_pose, wrapped
 
 KERNEL = """
 from numba import njit
@@ -27,7 +28,7 @@ OTHER_NAMES = "import numba; f = numba.njit(lambda x: x); f(1); f(1.0); " + CALL
 ROOT = Path(__file__).parents[1]
 HELPERS = """
 from typing import NamedTuple
-from coopenv.compiled import compiled, fused
+from coopenv.compiled import anywhere, compiled, fused
 
 FACTOR = 2.0
 
@@ -39,13 +40,17 @@ class Pair(NamedTuple):
 def scaled(x):
     return 3.0 * x
 
+@anywhere
+def raised(x):
+    return x + 1.0
+
 @fused
 def shifted(x):
     return x + 4.0
 """
 USERS = """
 import helpers
-from helpers import FACTOR, Pair, scaled, shifted
+from helpers import FACTOR, Pair, raised, scaled, shifted
 from coopenv.compiled import compiled, fused_entry, gufunc, inlined
 
 @inlined
@@ -54,7 +59,7 @@ def through(x):
 
 @compiled
 def plain(x):
-    return through(x) + FACTOR
+    return raised(through(x) + FACTOR) - 1.0
 
 @fused_entry
 def entry(x):
@@ -105,6 +110,7 @@ def replace(file: Path, old: str, new: str) -> None:
     [
         ("3.0 * x", "5.0 * x", "7.0 5.0 5.0 7.0 1 1"),
         ("x + 4.0", "x + 6.0", "5.0 7.0 3.0 7.0 1 1"),
+        ("x + 1.0", "x + 2.0", "6.0 5.0 3.0 7.0 1 1"),
         ("FACTOR = 2.0", "FACTOR = 8.0", "11.0 5.0 3.0 7.0 1 1"),
         (
             "first: float\n    second: float",
@@ -122,6 +128,13 @@ def test_a_kernel_is_recompiled_when_what_it_uses_from_another_file_changes(
     assert run(ASK, tmp_path) == "5.0 5.0 3.0 7.0 1 1"
     replace(tmp_path / "helpers.py", old, new)
     assert run(ASK, tmp_path) == expected
+
+
+def test_what_is_compiled_anywhere_is_the_same_for_numbers_arrays_and_kernels():
+    angles = np.random.default_rng(0).uniform(-20, 20, 200)
+    from_arrays = wrapped(angles)
+    np.testing.assert_array_equal([wrapped(float(angle)) for angle in angles], from_arrays)
+    np.testing.assert_array_equal(wrap_pose(np.repeat(angles[:, None], 3, 1))[:, 2], from_arrays)
 
 
 def test_a_changed_helper_of_the_package_shows_in_what_it_decomposes(tmp_path):

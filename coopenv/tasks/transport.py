@@ -1,11 +1,12 @@
 """Carry the object from a random pose to a random pose and put it to rest there."""
 
 from dataclasses import dataclass
-from math import hypot, pi
+from math import hypot
 
 import numpy as np
 
 from coopenv.errors import InvalidInput
+from coopenv.geometry.frames import turn_between
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
@@ -46,8 +47,8 @@ class TransportTask(PoseTask):
         start = self._free_pose(generator, body, scene)
         for _ in range(_TRIES):
             goal = self._free_pose(generator, body, scene)
-            turn = abs(pi - (goal[2] - start[2]) % (2 * pi))
-            away = hypot(goal[0] - start[0], goal[1] - start[1]) + self.angle_weight * (pi - turn)
+            turn = turn_between(start[2], goal[2])
+            away = hypot(goal[0] - start[0], goal[1] - start[1]) + self.angle_weight * turn
             if away >= self.min_distance:
                 return start, goal
         raise InvalidInput(

@@ -30,7 +30,8 @@ class Body:
         )
         pose, twist = np.array(self.pose), np.array(self.twist)
         for _ in range(round(seconds / step)):
-            change = motion.advance(table, 0, motion.Motion(pose[2], *twist, *force, torque))
+            held = (*pose[2:], *twist, *force, torque)
+            change = motion.advance(table, 0, motion.Motion._make(held))
             pose, twist = pose + change[:3], np.array(change[3:])
         return pose, twist
 
