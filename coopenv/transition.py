@@ -1,4 +1,4 @@
-"""What a step was: all that rewards and observations get to see."""
+"""State and transition: a control step of every world, as rewards and observations see it."""
 
 from dataclasses import dataclass, field, fields, replace
 from typing import Any

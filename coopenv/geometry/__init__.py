@@ -1,1 +1,1 @@
-"""Frames and angles, distances to walls and boxes, and ways around them."""
+"""Planar geometry: frames and angles, clearance from walls and boxes, routes around them."""

@@ -1,4 +1,4 @@
-"""How far a convex outline is from boxes and walls, and which way; exact, many worlds at once."""
+"""Clearance: exact distance and direction from convex outlines to boxes and walls, in batches."""
 
 import numpy as np
 

@@ -29,7 +29,7 @@ def wrapped(angle: Angle) -> Angle:
 @anywhere
 def turn_between(angle, other):
     """The short way round from one angle to the other, in [0, π] [rad]."""
-    return abs(np.pi - (np.pi + other - angle) % (2 * np.pi))  # no difference is rounded first
+    return abs(np.pi - (np.pi + other - angle) % (2 * np.pi))  # `wrapped` rounds otherwise
 
 
 @anywhere

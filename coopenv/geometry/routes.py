@@ -1,4 +1,4 @@
-"""Shortest ways round boxes for a disc: a visibility graph over the boxes' widened corners."""
+"""Shortest paths of a disc round boxes: a visibility graph over the boxes' widened corners."""
 
 import numpy as np
 

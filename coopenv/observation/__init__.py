@@ -1,4 +1,4 @@
-"""What agents see: blocks of numbers, the view they are taken from, and what sensors do to them."""
+"""Observations: named blocks, the agents' view that most are parts of, imperfect sensors."""
 
 from coopenv.observation.block import Block, EachOther
 from coopenv.observation.blocks import BLOCKS, DEFAULT_BLOCKS, SENSING

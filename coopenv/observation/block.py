@@ -1,4 +1,4 @@
-"""A block: one named part of an observation."""
+"""Block: one named part of an observation, with its size, bounds, units and frame."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

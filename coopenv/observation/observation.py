@@ -1,4 +1,4 @@
-"""Named observation blocks, put together into one array per agent."""
+"""Observation: the chosen blocks side by side in one array an agent, found by their names."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -153,7 +153,7 @@ def find_blocks(blocks: Sequence[Any]) -> tuple[Entry, ...]:
 
 
 def _built(block: Any) -> Any:
-    """The sensor, or the block of ranges or of this module, that a dict describes."""
+    """The sensor or block that a dict describes, as JSON brings it back; others as they are."""
     if not isinstance(block, Mapping):
         return block
     if "block" in block:

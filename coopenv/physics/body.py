@@ -1,4 +1,4 @@
-"""The object that is carried: what it weighs, how it drags, where it is held."""
+"""Body: mass, inertia, drag, outline and grips of the object that is carried."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

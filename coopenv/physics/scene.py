@@ -1,4 +1,4 @@
-"""Where the object is carried: a walled room and what stands in it."""
+"""Scene: the walled room in which the object is carried, and the box obstacles in it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

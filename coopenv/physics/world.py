@@ -1,4 +1,4 @@
-"""Many copies of a body in a room, stepped together in pymunk. The only file that imports it.
+"""World: batches of bodies in rooms, simulated by pymunk. The only file that imports it.
 
 `pymunk.batch` is marked experimental upstream; everything used of it is in `_Shard`.
 """

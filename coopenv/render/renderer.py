@@ -1,4 +1,4 @@
-"""Pictures of a transition: who applies what, and which part of it goes nowhere."""
+"""Renderer: pictures of a step, with applied and internal wrenches at every grip."""
 
 from collections.abc import Sequence
 from math import cos, sin
