@@ -11,11 +11,11 @@ import numpy as np
 from benchmarks.pages import DOCS, fill, filled, markdown
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
 from coopenv.observation.block import Block, EachOther
-from coopenv.tasks import TASKS, SensedTask
+from coopenv.tasks import TASKS
 
 PAGE = DOCS / "observations.md"
 SETS = {"default": DEFAULT_BLOCKS, **SENSING}
-OWN = [task for task in (kind() for kind in TASKS) if isinstance(task, SensedTask)]
+OWN = [kind() for kind in TASKS]
 COLUMNS = ("block", "features", "unit", "frame", "range", "what it is", "part of")
 
 

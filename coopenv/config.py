@@ -18,7 +18,7 @@ from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_reward
-from coopenv.tasks import TASKS, SensedTask, Task, TransportTask
+from coopenv.tasks import TASKS, Task, TransportTask
 from coopenv.variations import Variations
 from coopenv.wrench import Settings
 
@@ -230,7 +230,7 @@ def _sensed(sensing: str | None, observe: Sequence[Any], task: Task) -> Sequence
         return observe
     if not isinstance(sensing, str) or sensing not in SENSING:
         raise UnknownName("sensing", sensing, SENSING)
-    own = tuple(task.blocks) if isinstance(task, SensedTask) else ()
+    own = tuple(task.blocks)
     sets = (DEFAULT_BLOCKS, *SENSING.values())
     if observe not in (*sets, *((*names, *own) for names in sets)):  # else nobody chose it by hand
         _check_one_sight({"sensing": sensing, "observe": observe})
@@ -262,16 +262,18 @@ def _task(value: Any, kind: type) -> Any:
     if isinstance(value, Mapping):
         exact = [task for task in TASKS if {entry.name for entry in fields(task)} == set(value)]
         return _built(value, "task", exact[0] if exact and kind not in exact else kind)
-    return _built(value, "task", TransportTask)
+    if not isinstance(value, Task):
+        made = isinstance(value, type) and issubclass(value, Task)
+        remedy = f"pass {value.__name__}(...)" if made else "write class Mine(coopenv.Task)"
+        raise InvalidInput(f"task must be a coopenv.Task, got {value!r}; {remedy}")
+    return value
 
 
 def _with_blocks_of(task: Task, observe: Any) -> Any:
     """``observe`` with the names of the task's own blocks, in sensors too, replaced by these."""
-    if not isinstance(task, SensedTask) or isinstance(observe, str):
-        return observe
-    if not isinstance(observe, Sequence):
-        return observe
     own = {block.name: block for block in task.blocks}
+    if not own or isinstance(observe, str) or not isinstance(observe, Sequence):
+        return observe
     return tuple(_of_task(entry, own) for entry in observe)
 
 
@@ -301,10 +303,9 @@ def _partner(value: Any) -> Any:
 def _built(value: Any, name: str, kind: type) -> Any:
     """Build ``kind`` from a mapping, the form in which JSON brings a dataclass back."""
     if not isinstance(value, Mapping):
-        wanted = Task if kind is TransportTask else kind
-        if isinstance(value, type) or not isinstance(value, wanted):
+        if not isinstance(value, kind):
             raise InvalidInput(
-                f"{name} must be a {wanted.__name__}, got {value!r}; pass {kind.__name__}(...)"
+                f"{name} must be a {kind.__name__}, got {value!r}; pass {kind.__name__}(...)"
             )
         return value
     known = [entry.name for entry in fields(kind)]

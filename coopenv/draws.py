@@ -13,7 +13,7 @@ from coopenv.errors import InvalidInput
 from coopenv.observation.sensor import Sensor
 from coopenv.physics.body import Body
 from coopenv.physics.scene import WALL_THICKNESS, Scene
-from coopenv.tasks import Episode, FurnishedTask, GuidedTask, MovingTask, Pose
+from coopenv.tasks import Episode, Pose
 from coopenv.variations import Variations
 from coopenv.wrench import Decomposer
 
@@ -45,15 +45,13 @@ class Draws:
         self._bodies, self.scenes = config.bodies(num_worlds), config.scenes(num_worlds)
         self._limits = np.repeat(config.limits()[None], num_worlds, axis=0)
         self._settings = config.decomposition
-        self._own_boxes = self._task.max_obstacles if isinstance(self._task, FurnishedTask) else 0
+        self._own_boxes = self._task.max_obstacles
         self._told = self._told_by(config)
         self._needs_keys = any(
             isinstance(entry, Sensor) and entry.is_random for entry in config.observe
         )
         self._variations = self._varied_by(config)
-        self.changing = (
-            self._own_boxes > 0 or isinstance(self._task, MovingTask) or bool(self._variations)
-        )
+        self.changing = self._own_boxes > 0 or self._task.moves or bool(self._variations)
         self.reach = self._farthest()
 
     def first(self) -> Conditions:
@@ -164,9 +162,7 @@ class Draws:
         if config.informed is not None:
             told[:] = False
             told[list(config.informed)] = True
-        if isinstance(self._task, GuidedTask):
-            told &= self._task.told(config.num_agents)
-        return told
+        return told & self._task.told(config.num_agents)
 
 
 def _poses(drawn: Sequence[Pose], name: str) -> FloatArray:

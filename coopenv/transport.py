@@ -8,7 +8,7 @@ from gymnasium.utils import seeding
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
 from coopenv.compiled import compiled
-from coopenv.conditions import Conditions, Team
+from coopenv.conditions import Team
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.draws import Draws
 from coopenv.errors import InvalidInput, ResetNeeded
@@ -21,7 +21,7 @@ from coopenv.physics.scene import Scene
 from coopenv.physics.world import World
 from coopenv.resets import Seed, check_free, given_pose, marked_worlds, world_seeds
 from coopenv.rewards import find_reward
-from coopenv.tasks import JudgedTask, MovingTask, WayTask
+from coopenv.tasks.base import overrides
 from coopenv.transition import State, Transition
 from coopenv.wrench.grasp import sum_at_centre
 
@@ -97,9 +97,8 @@ class Transport:
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         task = self.config.task
-        self._moving = task if isinstance(task, MovingTask) else None
-        self._way = task if isinstance(task, WayTask) else None
-        self._judged = task if isinstance(task, JudgedTask) else None
+        self._has_moving_goal = task.moves
+        self._may_be_early, self._is_judged = overrides(task, "due"), overrides(task, "accepts")
         self._distances = np.zeros(self.num_worlds)  # [m] sum over the steps of the episode
         self._steps = np.zeros(self.num_worlds, dtype=np.int64)
         self._ended, self._any_ended = np.ones(self.num_worlds, dtype=np.bool_), True
@@ -173,7 +172,7 @@ class Transport:
         worlds = marked_worlds(mask, self.num_worlds, first=self.transition is None)
         pose = given_pose(pose, "pose", self.num_worlds)
         goal = given_pose(goal, "goal", self.num_worlds)
-        if goal is not None and self._moving is not None:
+        if goal is not None and self._has_moving_goal:
             raise InvalidInput(
                 f"goal must be left to a task whose goal moves, got {goal[0].tolist()}; give the "
                 "task another reference"
@@ -304,24 +303,21 @@ class Transport:
         return clipped, applied
 
     def _success(self, state: State) -> BoolArray:
-        success = self.config.task.success(state.pose, state.twist, state.goal)
-        if self._moving is not None:
-            success = success & self._moving.due(self.conditions.plan, state.time)
-        if self._judged is not None:
+        task = self.config.task
+        success = task.success(state.pose, state.twist, state.goal)
+        if self._may_be_early:
+            success = success & task.due(self.conditions.plan, state.time)
+        if self._is_judged:
             self._distances = self._distances + state.distance
-            success = success & self._judged.accepts(self._distances / self._steps)
+            success = success & task.accepts(self._distances / self._steps)
         return success
 
-    def _distance(self, conditions: Conditions, pose: FloatArray, goal: FloatArray) -> FloatArray:
-        if self._way is None:
-            return self.config.task.distance(pose, goal)
-        return self._way.way(conditions.plan, pose, goal)
-
     def _state(self, goal: FloatArray, time: FloatArray) -> State:
-        if self._moving is not None:
-            goal = frames.wrap_pose(self._moving.goal_at(self.conditions.plan, time))
+        task, plan = self.config.task, self.conditions.plan
+        if self._has_moving_goal:
+            goal = frames.wrap_pose(task.goal_at(plan, time))
         pose = frames.wrap_pose(self.world.pose)
-        distance = self._distance(self.conditions, pose, goal)
+        distance = task.way(plan, pose, goal)
         return State(
             pose=pose, twist=self.world.twist.copy(), goal=goal, distance=distance, time=time
         )
@@ -344,7 +340,7 @@ class Transport:
             pose=pose,
             twist=np.zeros((count, 3)),
             goal=goal,
-            distance=self._distance(conditions, pose, goal),
+            distance=self.config.task.way(conditions.plan, pose, goal),
             time=np.zeros(count),
         )
         action = np.zeros((count, self.num_agents, self.action_size))

@@ -14,7 +14,7 @@ from coopenv.errors import InvalidInput
 class Cluttered(TransportTask):
     """A box somewhere on the left, the goal on the right."""
 
-    max_obstacles: int = 2
+    max_obstacles: int = 2  # pyright: ignore[reportIncompatibleMethodOverride]
     boxes: int = 1
 
     def sample(self, generator, body, scene):

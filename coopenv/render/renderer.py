@@ -35,7 +35,6 @@ from coopenv.render.look import (
     wheels,
     wrench_arrows,
 )
-from coopenv.tasks import MarkedTask
 from coopenv.transition import Transition
 
 MODES = ("human", "rgb_array")
@@ -48,7 +47,7 @@ class Renderer:
 
     Dark arrows are what the agents apply, as forces and, round the grip, torques; the bright core
     in them is the internal part. Beneath: time, γ, F_I, T_I and each agent's share of the load.
-    The goal is a ghost of the body, its grips in the agents' colours too. What a `MarkedTask`
+    The goal is a ghost of the body, its grips in the agents' colours too. What a task
     marks, platforms or a path, is drawn on the floor.
 
     Parameters
@@ -136,7 +135,7 @@ class Renderer:
         """Draw this body in this scene from now on; rooms keep their size."""
         self.body, self.scene = body, scene
         self._shown_goal: tuple[Any, ...] | None = None
-        self._marked: tuple[bytes, Picture] | None = None  # a plan, and the background with it
+        self._marked: tuple[Any, Picture] | None = None  # task and plan, the background with them
 
     def _lay_out(self, width: int) -> None:
         """Fix what goes where: the room first, the caption beneath it."""
@@ -198,11 +197,9 @@ class Renderer:
         self._scenery, self._shown_goal = self._canvas.pixels.copy(), shown
 
     def _floor(self, transition: Transition) -> Picture:
-        """The background with the task's markings, drawn anew only when the plan changes."""
+        """The background with the task's markings, drawn anew only when they change."""
         task, plan = transition.conditions.task, transition.conditions.plan[self.world]
-        if not isinstance(task, MarkedTask):
-            return self._background
-        key = plan.tobytes()
+        key = task, plan.tobytes()
         if self._marked is None or self._marked[0] != key:
             self._canvas.pixels[:] = self._background
             for line in task.markings(plan):

@@ -1,17 +1,23 @@
-"""What a task has to say, and what it may say besides."""
+"""The base class of all tasks, and the episode that a task draws."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias, runtime_checkable
+from difflib import get_close_matches
+from inspect import get_annotations
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
+from coopenv.errors import UnknownName
 from coopenv.observation import Block
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 
 Pose: TypeAlias = tuple[float, float, float]  # x, y [m], θ [rad]
+
+_ALIKE = 0.8  # of 1: similarity from which a name is taken for a misspelt one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,101 +30,115 @@ class Episode:
     plan: tuple[float, ...] = ()  # numbers the task reads back later; as many in every episode
 
 
-@runtime_checkable
-class Task(Protocol):
-    """Start, goal and success. Stateless: the same object serves every world.
+class Task(ABC):
+    """Start, goal and success of every episode; a task of your own inherits from it.
 
-    Besides, a task may be a `FurnishedTask`, a `WayTask`, a `MovingTask`, a `JudgedTask`, a
-    `GuidedTask`, a `SensedTask`, a `MarkedTask`.
+    `check`, `sample`, `distance` and `success` have to be written, the rest is neutral unless a
+    class overrides it. A task is stateless: the same object serves every world.
+
+    Raises
+    ------
+    UnknownName
+        When a class is made, if one of its public methods, properties or values without annotation
+        is none of these but has nearly the name of one. Fields of a dataclass may have any name.
+
+    Examples
+    --------
+    >>> class Slow(TransportTask):
+    ...     def sucess(self, pose, twist, goal):
+    ...         return np.hypot(*twist[:, :2].T) < 0.01
+    Traceback (most recent call last):
+    coopenv.errors.UnknownName: hook of task Slow must be one of the known names, got 'sucess'; ...
     """
 
+    __slots__ = ()
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        inherited = {name for base in cls.__mro__[1:] for name in vars(base)}
+        for name in sorted(vars(cls).keys() - inherited - get_annotations(cls).keys()):
+            if not name.startswith("_") and get_close_matches(name, HOOKS, cutoff=_ALIKE):
+                raise UnknownName(f"hook of task {cls.__name__}", name, HOOKS)
+
+    @abstractmethod
     def check(self, body: Body, scene: Scene) -> None:
         """Raise `coopenv.errors.InvalidInput` where the task cannot be done with these."""
-        ...
 
+    @abstractmethod
     def sample(
         self, generator: np.random.Generator, body: Body, scene: Scene
     ) -> tuple[Pose, Pose] | Episode:
         """Start and goal pose of one world's next episode, or a whole `Episode`."""
-        ...
 
+    @abstractmethod
     def distance(self, pose: FloatArray, goal: FloatArray) -> FloatArray:
         """How far each world is from its goal, ``(world,)`` [m]; zero only at the goal pose."""
-        ...
 
+    @abstractmethod
     def success(self, pose: FloatArray, twist: FloatArray, goal: FloatArray) -> BoolArray:
         """Whether each world is done, ``(world,)``."""
-        ...
-
-
-@runtime_checkable
-class FurnishedTask(Protocol):
-    """A task whose episodes bring obstacles of their own."""
 
     @property
     def max_obstacles(self) -> int:
-        """The most that an `Episode` of it has."""
-        ...
-
-
-@runtime_checkable
-class MovingTask(Protocol):
-    """A task whose goal moves, or which cannot be done before some time."""
-
-    def goal_at(self, plan: FloatArray, time: FloatArray) -> FloatArray:
-        """Where the goals are, ``(world, 3)``, for plans ``(world, number)`` and times [s]."""
-        ...
-
-    def due(self, plan: FloatArray, time: FloatArray) -> BoolArray:
-        """Whether success counts yet, ``(world,)``."""
-        ...
-
-
-@runtime_checkable
-class GuidedTask(Protocol):
-    """A task that does not tell every agent everything about the goal."""
-
-    def told(self, num_agents: int) -> BoolArray:
-        """``(agent, 2)``: who is told the goal's place, and its angle."""
-        ...
-
-
-@runtime_checkable
-class WayTask(Protocol):
-    """A task whose episodes have a layout that the way to the goal leads through."""
-
-    def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
-        """How far each world is from its goal, ``(world,)`` [m], under its plan.
-
-        Instead of ``distance`` wherever there is a plan: ``plan`` is ``(world, number)``. Zero only
-        at the goal pose, and without steps, so that `coopenv.rewards.Progress` leads along it.
-        """
-        ...
-
-
-@runtime_checkable
-class JudgedTask(Protocol):
-    """A task that is done only if the whole episode was good."""
-
-    def accepts(self, mean_distance: FloatArray) -> BoolArray:
-        """Whether success may count, ``(world,)``, given the mean distance [m] over the steps."""
-        ...
-
-
-@runtime_checkable
-class SensedTask(Protocol):
-    """A task that brings observation blocks of its own."""
+        """The most obstacles that an `Episode` of it brings; none."""
+        return 0
 
     @property
     def blocks(self) -> Sequence[Block]:
-        """Blocks that ``observe`` may name beside `coopenv.BLOCKS`."""
-        ...
+        """Observation blocks that ``observe`` may name beside `coopenv.BLOCKS`; none."""
+        return ()
 
+    @property
+    def moves(self) -> bool:
+        """Whether the goal moves within an episode: where `goal_at` is overridden."""
+        return overrides(self, "goal_at")
 
-@runtime_checkable
-class MarkedTask(Protocol):
-    """A task with something for people to see: lines on the floor of the picture."""
+    def goal_at(self, plan: FloatArray, time: FloatArray) -> FloatArray:
+        """Where moving goals are, ``(world, 3)``, for plans ``(world, number)`` and times [s].
+
+        A goal that does not move stays where its `Episode` has it, and this is not asked.
+        """
+        raise NotImplementedError(f"the goal of {type(self).__name__} does not move")
+
+    def due(self, plan: FloatArray, time: FloatArray) -> BoolArray:
+        """Whether success counts yet, ``(world,)``, for plans and times [s]; always."""
+        return np.ones(len(time), dtype=np.bool_)
+
+    def accepts(self, mean_distance: FloatArray) -> BoolArray:
+        """Whether success may count, ``(world,)``, given the mean distance [m] over the steps.
+
+        Always; a task that is done only if the whole episode was good overrides it.
+        """
+        return np.ones(len(mean_distance), dtype=np.bool_)
+
+    def told(self, num_agents: int) -> BoolArray:
+        """``(agent, 2)``: who is told the goal's place, and its angle; everybody."""
+        return np.ones((num_agents, 2), dtype=np.bool_)
+
+    def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
+        """How far each world is from its goal under its plan ``(world, number)``, ``(world,)`` [m].
+
+        It is ``distance`` unless a layout lies in the plan that the way to the goal leads through.
+        Zero only at the goal pose, and without steps, so that `coopenv.rewards.Progress` leads
+        along it.
+        """
+        return self.distance(pose, goal)
 
     def markings(self, plan: FloatArray) -> Sequence[FloatArray]:
-        """Lines ``(point, 2)`` [m], world frame, for one world's plan ``(number,)``."""
-        ...
+        """Lines ``(point, 2)`` [m] on the floor of pictures, for one world's plan ``(number,)``.
+
+        World frame; none.
+        """
+        return ()
+
+
+HOOKS = tuple(name for name in vars(Task) if not name.startswith("_"))
+
+
+def overrides(task: Task, hook: str) -> bool:
+    """Whether a task has a hook of its own, so that nobody needs to ask for the neutral answer."""
+    return getattr(type(task), hook) is not getattr(Task, hook)
+
+
+# What optional abilities were called when each had a class of its own: all tasks have them.
+FurnishedTask = GuidedTask = JudgedTask = MarkedTask = MovingTask = SensedTask = WayTask = Task

@@ -11,14 +11,14 @@ from coopenv.compiled import compiled
 from coopenv.geometry.frames import rotated, turn_between
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
-from coopenv.tasks.base import Pose
+from coopenv.tasks.base import Pose, Task
 
 _TRIES = 1000
 _OR_ZERO = ("clearance", "min_distance")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PoseTask:
+class PoseTask(Task):
     """Done when the object rests at the goal pose within tolerance.
 
     Raises

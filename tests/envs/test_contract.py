@@ -23,8 +23,8 @@ from pettingzoo.test import (
 )
 
 from coopenv import Transport
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, ResetNeeded, UnknownName
-from coopenv.tasks import MovingTask
 from tests.helpers import (
     CASE_NAMES,
     CASES,
@@ -403,7 +403,7 @@ def test_gymnasiums_statistics_count_whole_episodes(view):
 @EVERY_ID
 def test_a_reset_starts_where_it_is_told(view):
     start = {"pose": (-1.5, -0.5, 1.0), "goal": (-1.0, 1.0, 0.0)}
-    if isinstance(PARALLEL[view].DEFAULTS.get("task"), MovingTask):
+    if find_config(view, {}).task.moves:
         del start["goal"]  # it has one of its own
     single, vector = gymnasium.make(view), gymnasium.make_vec(view, num_envs=3)
     parallel = PARALLEL[view].parallel_env()

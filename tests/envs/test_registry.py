@@ -95,7 +95,7 @@ class Other(TransportTask):
     """As a `TransportTask`, but called otherwise."""
 
 
-class Bare:
+class Bare(coopenv.Task):
     """A task that is no dataclass."""
 
     def check(self, body, scene):

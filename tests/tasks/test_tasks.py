@@ -1,10 +1,13 @@
 """The transport task: where episodes start, where they lead, and when they are done."""
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import pytest
 
 from coopenv import Body, Box, Scene, Task, Transport, TransportTask
-from coopenv.errors import InvalidInput
+from coopenv.errors import InvalidInput, UnknownName
 from tests.helpers import CLUTTERED, corners
 
 
@@ -113,7 +116,7 @@ def test_a_tolerance_that_nothing_can_meet_is_refused_by_name(name, value):
 
 
 def test_a_task_of_ones_own_is_carried_out():
-    class Home:
+    class Home(Task):
         """Back to the centre, from one metre away."""
 
         def check(self, body, scene):
@@ -128,7 +131,6 @@ def test_a_task_of_ones_own_is_carried_out():
         def success(self, pose, twist, goal):
             return pose[:, 0] < 0.9
 
-    assert isinstance(Home(), Task)
     core = Transport(task=Home(), num_worlds=2)
     core.reset(seed=0)
     assert core.transition is not None
@@ -141,3 +143,78 @@ def test_a_task_of_ones_own_is_carried_out():
         if info["success"].any():
             return
     raise AssertionError("the task never reported success")
+
+
+def task_with(**names) -> Any:
+    """A new class of tasks with these names in it."""
+    return type("Mine", (TransportTask,), names)
+
+
+@pytest.mark.parametrize(
+    ("misspelt", "meant"),
+    [
+        ("sucess", "success"),
+        ("distanse", "distance"),
+        ("goals_at", "goal_at"),
+        ("accept", "accepts"),
+        ("max_obstacle", "max_obstacles"),
+        ("block", "blocks"),
+        ("move", "moves"),
+        ("marking", "markings"),
+    ],
+)
+def test_a_misspelt_hook_raises_when_its_class_is_made(misspelt, meant):
+    said = rf"hook of task Mine must be .* got '{misspelt}'; did you mean '{meant}'"
+    for value in (lambda self: None, property(lambda self: 1), 1):
+        with pytest.raises(UnknownName, match=said):
+            task_with(**{misspelt: value})
+
+
+def test_names_of_its_own_do_not_hurt_a_task():
+    mine = task_with(motion=lambda self: 1, total=2.0, _sucess=3, score=property(lambda self: 4))
+    assert mine().motion() == 1
+
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Fields(TransportTask):
+        obstacles: int = 1  # a field may be called what it likes
+        sucess: float = 0.5
+
+    assert (Fields().obstacles, Fields().sucess) == (1, 0.5)
+
+
+def test_a_task_that_says_no_more_than_it_must_is_neutral():
+    task, plan = TransportTask(), np.zeros((3, 0))
+    assert (task.max_obstacles, tuple(task.blocks), task.moves) == (0, (), False)
+    assert task.due(plan, np.arange(3.0)).all()
+    assert task.accepts(np.arange(3.0)).all()
+    assert task.told(2).tolist() == [[True, True]] * 2
+    assert tuple(task.markings(plan[0])) == ()
+    pose, goal = np.random.default_rng(0).normal(size=(2, 3, 3))
+    np.testing.assert_array_equal(task.way(plan, pose, goal), task.distance(pose, goal))
+    with pytest.raises(NotImplementedError, match="the goal of TransportTask does not move"):
+        task.goal_at(plan, np.zeros(3))
+
+
+def test_a_task_without_one_of_the_four_methods_cannot_be_made():
+    class Endless(Task):
+        def check(self, body, scene):
+            pass
+
+        def sample(self, generator, body, scene):
+            return (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+
+        def distance(self, pose, goal):
+            return np.abs(pose).sum(axis=-1)
+
+    with pytest.raises(TypeError, match="success"):
+        Endless()  # pyright: ignore[reportAbstractUsage]
+
+
+def test_a_task_that_only_looks_like_one_is_told_what_to_write():
+    class Alike:
+        check = sample = distance = success = lambda self, *given: None
+
+    with pytest.raises(InvalidInput, match=r"must be a coopenv\.Task, .*; write class Mine\(coop"):
+        Transport(task=Alike())
+    with pytest.raises(InvalidInput, match=r"must be a coopenv\.Task, .*; pass TransportTask"):
+        Transport(task=TransportTask)
