@@ -5,8 +5,6 @@ Importing this package registers its environments with Gymnasium.
 
 from importlib.metadata import version
 
-import gymnasium
-
 from coopenv import rewards, wrench
 from coopenv.config import TransportConfig
 from coopenv.envs.registry import register
@@ -64,25 +62,12 @@ __all__ = [
     "wrench",
 ]
 
+# In the order in which their ids are to be listed.
+# isort: off
 from coopenv import (
+    beam_transport_v0,
     beam_doorway_v0,
     beam_tracking_v0,
-    beam_transport_v0,
     walker_avoid_v0,
     walker_turn_v0,
 )
-
-_MODULES = {
-    "BeamTransport-v0": beam_transport_v0,
-    "BeamDoorway-v0": beam_doorway_v0,
-    "BeamTracking-v0": beam_tracking_v0,
-    "WalkerAvoid-v0": walker_avoid_v0,
-    "WalkerTurn-v0": walker_turn_v0,
-}
-
-for _name, _module in _MODULES.items():
-    gymnasium.register(
-        id=f"coopenv/{_name}",
-        entry_point=f"{_module.__name__}:single_env",
-        vector_entry_point=f"{_module.__name__}:vector_env",
-    )

@@ -1,7 +1,7 @@
 """Array types, and the checks that every input passes once at the door."""
 
-from math import isfinite
-from typing import Any, TypeAlias
+from math import inf, isfinite
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,9 @@ from coopenv.errors import InvalidInput
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IntArray: TypeAlias = npt.NDArray[np.int64]
+Range: TypeAlias = tuple[float, float]  # lowest and highest; both may be the same
+
+Array = TypeVar("Array", bound=npt.NDArray[Any])
 
 
 def finite_array(value: Any, name: str) -> FloatArray:
@@ -70,6 +73,43 @@ def number(value: Any, name: str) -> float:
     if not isfinite(given):
         raise InvalidInput(f"{name} must be finite, got {value!r}; pass an ordinary number")
     return given
+
+
+def number_range(value: Any, name: str) -> Range:
+    """Return ``value`` as (low, high), or raise `InvalidInput` unless two numbers in order."""
+    ends = finite_array(value, name)
+    if ends.shape != (2,):
+        raise InvalidInput(f"{name} must be (low, high), got {value!r}; give two numbers")
+    low, high = ends.tolist()
+    if low > high:
+        raise InvalidInput(f"{name} must be (low, high), got {value!r}; swap them")
+    return low, high
+
+
+def positive_range(value: Any, name: str, *, or_zero: bool = False, at_most: float = inf) -> Range:
+    """`number_range` that begins above zero, ``or_zero``, and ends ``at_most`` somewhere."""
+    low, high = number_range(value, name)
+    if low < 0 or (low == 0 and not or_zero):
+        rule = "not begin below zero" if or_zero else "begin above zero"
+        raise InvalidInput(f"{name} must {rule}, got {value!r}; raise its low end")
+    if high > at_most:
+        raise InvalidInput(
+            f"{name} must not end above {at_most:.4g}, got {value!r}; lower its high end"
+        )
+    return low, high
+
+
+def between(ends: Range, fraction: float) -> float:
+    """The number at ``fraction`` in [0, 1] of the way from the low end to the high one."""
+    low, high = ends
+    return min(low + fraction * (high - low), high)
+
+
+def with_rows(array: Array, rows: IntArray, values: Any) -> Array:
+    """A copy of an array with some rows set to others."""
+    copy = array.copy()
+    copy[rows] = values
+    return copy
 
 
 def _objects(array: npt.NDArray[Any]) -> list[Any]:

@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.geometry import frames
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -64,10 +64,10 @@ class Team:
 
     def with_worlds(self, worlds: IntArray, grips: FloatArray, limits: FloatArray) -> "Team":
         """A copy with the grips and limits of ``worlds`` replaced."""
-        limits = _replaced(self.limits, worlds, limits)
+        limits = with_rows(self.limits, worlds, limits)
         if np.array_equal(self.grips[worlds], grips):
             return replace(self, limits=limits)
-        return Team.build(_replaced(self.grips, worlds, grips), limits, self.settings)
+        return Team.build(with_rows(self.grips, worlds, grips), limits, self.settings)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -167,7 +167,7 @@ class Conditions:
 
     def with_keys(self, worlds: IntArray, keys: npt.NDArray[np.uint64]) -> "Conditions":
         """A copy in which ``worlds`` have other keys."""
-        return replace(self, key=_replaced(self.key, worlds, keys))
+        return replace(self, key=with_rows(self.key, worlds, keys))
 
     def with_worlds(
         self,
@@ -191,7 +191,7 @@ class Conditions:
             team=self.team.with_worlds(worlds, grips, limits),
             load=_merged_rows(self.load, worlds, load),
             room=_merged_rows(self.room, worlds, room),
-            plan=_replaced(self.plan, worlds, plan),
+            plan=with_rows(self.plan, worlds, plan),
         )
 
 
@@ -203,13 +203,7 @@ def _merged_rows(value: Any, worlds: IntArray, other: Any) -> Any:
     return replace(
         value,
         **{
-            name: _replaced(getattr(value, name), worlds, getattr(other, name))
+            name: with_rows(getattr(value, name), worlds, getattr(other, name))
             for name in value.__slots__
         },
     )
-
-
-def _replaced(array: Any, worlds: IntArray, rows: Any) -> Any:
-    copy = array.copy()
-    copy[worlds] = rows
-    return copy

@@ -1,28 +1,33 @@
-"""The one description of an environment, and the one place that reads keywords."""
+"""Configuration of an environment: one description for every view."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from importlib import import_module
+from dataclasses import dataclass, field, fields
 from itertools import product
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive, whole
+from coopenv.arrays import FloatArray, positive, whole
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, Observation, find_blocks
-from coopenv.observation.block import Block
-from coopenv.observation.sensor import Sensor
+from coopenv.keywords import (
+    built,
+    complete,
+    one_or_more,
+    read_agents,
+    read_limit,
+    read_observe,
+    read_partner,
+    read_task,
+)
+from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.partner import Partner
 from coopenv.physics.body import Body
-from coopenv.physics.scene import Box, Scene
-from coopenv.randomisation import Ranges
+from coopenv.physics.scene import Scene
+from coopenv.randomisation import Ranges, Variations
 from coopenv.rewards import RewardSum, find_reward
-from coopenv.tasks import TASKS, Task, TransportTask
-from coopenv.variations import Variations
+from coopenv.tasks import Task, TransportTask
 from coopenv.wrench import Settings
 
-ALIASES = ("max_episode_steps", "max_cycles")  # of the horizon: Gymnasium's word, PettingZoo's
 ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
 
 
@@ -97,22 +102,21 @@ class TransportConfig:
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
-        _set(self, "task", _task(self.task, TransportTask))
-        _set(self, "body", _one_or_more(self.body, "body", Body))
-        _set(self, "scene", _one_or_more(self.scene, "scene", Scene))
+        _set(self, "task", read_task(self.task))
+        _set(self, "body", one_or_more(self.body, "body", Body))
+        _set(self, "scene", one_or_more(self.scene, "scene", Scene))
         _set(self, "reward", find_reward(self.reward))
-        seen = _sensed(self.sensing, self.observe, self.task)
-        _set(self, "observe", find_blocks(_with_blocks_of(self.task, seen)))
+        _set(self, "observe", read_observe(self.sensing, self.observe, self.task))
         _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
         _set(self, "horizon", whole(self.horizon, "horizon", at_least=1))
         _set(self, "dt", positive(self.dt, "dt", unit="seconds"))
         _set(self, "substeps", whole(self.substeps, "substeps", at_least=1))
-        _set(self, "decomposition", _built(self.decomposition, "decomposition", Settings))
+        _set(self, "decomposition", built(self.decomposition, "decomposition", Settings))
         if self.randomise is not None:
-            _set(self, "randomise", _built(self.randomise, "randomise", Ranges))
-        _set(self, "partner", _partner(self.partner))
+            _set(self, "randomise", built(self.randomise, "randomise", Ranges))
+        _set(self, "partner", read_partner(self.partner))
         self._check_agreement()
 
     @classmethod
@@ -125,21 +129,7 @@ class TransportConfig:
         ``max_episode_steps`` (Gymnasium's word) and ``max_cycles`` (PettingZoo's) stand for
         ``horizon`` and override it.
         """
-        _check_one_sight(keywords)
-        known = _filled(keywords, defaults or {})
-        if keywords.get("sensing") is not None:  # what is given overrides the other's default
-            known.pop("observe", None)
-        elif "observe" in keywords:
-            known.pop("sensing", None)
-        for alias in ALIASES:
-            steps = known.pop(alias, None)
-            if steps is not None:
-                known["horizon"] = steps
-        names = {entry.name for entry in fields(cls)}
-        for name in known:
-            if name not in names:
-                raise UnknownName("environment keyword", name, names)
-        return cls(**known)
+        return cls(**complete(keywords, defaults or {}, [entry.name for entry in fields(cls)]))
 
     @property
     def num_agents(self) -> int:
@@ -173,6 +163,11 @@ class TransportConfig:
         limits[:, 0], limits[:, 1] = self.force_limit, self.torque_limit
         return limits
 
+    @property
+    def terms(self) -> RewardSum:
+        """The reward's terms, whatever word or term it was given as."""
+        return cast(RewardSum, self.reward)  # read when the configuration was made
+
     def _check_agreement(self) -> None:
         bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
         scenes = (self.scene,) if isinstance(self.scene, Scene) else tuple(self.scene)
@@ -183,19 +178,19 @@ class TransportConfig:
                 "one batch holds teams of one size"
             )
         for name in ("force_limit", "torque_limit"):
-            limit = _limit(getattr(self, name), name, self.num_agents)
+            limit = read_limit(getattr(self, name), name, self.num_agents)
             object.__setattr__(self, name, limit)
-        object.__setattr__(self, "informed", _agents(self.informed, "informed", self.num_agents))
-        Observation(self.observe, self.num_agents)  # raises where numbers and features do not match
+        informed = read_agents(self.informed, "informed", self.num_agents)
+        object.__setattr__(self, "informed", informed)
         if self.randomise is not None:
             self._check_ranges(self.randomise, bodies, scenes)
         self._check_partner()
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
-        find_reward(self.reward).check(self.num_agents)
+        self.terms.check(self.num_agents)
 
     def _check_partner(self) -> None:
-        agents = _agents(self.partner_agents, "partner_agents", self.num_agents)
+        agents = read_agents(self.partner_agents, "partner_agents", self.num_agents)
         object.__setattr__(self, "partner_agents", agents)
         if self.partner is None and agents is not None:
             raise InvalidInput(
@@ -224,108 +219,6 @@ class TransportConfig:
                     ) from error
 
 
-def _sensed(sensing: str | None, observe: Sequence[Any], task: Task) -> Sequence[Any]:
-    """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``."""
-    if sensing is None:
-        return observe
-    if not isinstance(sensing, str) or sensing not in SENSING:
-        raise UnknownName("sensing", sensing, SENSING)
-    own = tuple(task.blocks)
-    sets = (DEFAULT_BLOCKS, *SENSING.values())
-    if observe not in (*sets, *((*names, *own) for names in sets)):  # else nobody chose it by hand
-        _check_one_sight({"sensing": sensing, "observe": observe})
-    return (*SENSING[sensing], *own)
-
-
-def _check_one_sight(given: Mapping[str, Any]) -> None:
-    if given.get("sensing") is not None and "observe" in given:
-        raise InvalidInput(
-            f"sensing must come without observe, got sensing={given['sensing']!r} beside "
-            f"observe={given['observe']!r}; give one of them"
-        )
-
-
-def _filled(keywords: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """``keywords`` over ``defaults``, which are dropped where the task is of another kind."""
-    if "task" not in keywords or "task" not in defaults:
-        return {**defaults, **keywords}
-    kind, task = type(defaults["task"]), keywords["task"]
-    task = _task(task, kind)
-    return {**(defaults if isinstance(task, kind) else {}), **keywords, "task": task}
-
-
-def _task(value: Any, kind: type) -> Any:
-    """The task itself, or the one that a mapping, the form in which JSON has it, describes.
-
-    That is the package's task with exactly these fields, else one of ``kind``.
-    """
-    if isinstance(value, Mapping):
-        exact = [task for task in TASKS if {entry.name for entry in fields(task)} == set(value)]
-        return _built(value, "task", exact[0] if exact and kind not in exact else kind)
-    if not isinstance(value, Task):
-        made = isinstance(value, type) and issubclass(value, Task)
-        remedy = f"pass {value.__name__}(...)" if made else "write class Mine(coopenv.Task)"
-        raise InvalidInput(f"task must be a coopenv.Task, got {value!r}; {remedy}")
-    return value
-
-
-def _with_blocks_of(task: Task, observe: Any) -> Any:
-    """``observe`` with the names of the task's own blocks, in sensors too, replaced by these."""
-    own = {block.name: block for block in task.blocks}
-    if not own or isinstance(observe, str) or not isinstance(observe, Sequence):
-        return observe
-    return tuple(_of_task(entry, own) for entry in observe)
-
-
-def _of_task(entry: Any, own: Mapping[str, Block]) -> Any:
-    """The task's block of that name, or in that sensor; anything else as it is."""
-    if isinstance(entry, str):
-        return own.get(entry, entry)
-    if isinstance(entry, Sensor):
-        return replace(entry, block=_of_task(entry.block, own))
-    if isinstance(entry, Mapping) and isinstance(entry.get("block"), str):  # as JSON has a sensor
-        return {**entry, "block": _of_task(entry["block"], own)}
-    return entry
-
-
-def _partner(value: Any) -> Any:
-    """The partner of that name; anything else has to be one, or None."""
-    if isinstance(value, str):  # names live with the agents, which the core imports on demand only
-        return import_module("coopenv.agents.partners").find_partner(value)
-    if value is not None and (isinstance(value, type) or not isinstance(value, Partner)):
-        raise InvalidInput(
-            f"partner must be a name or have a method player(config, num_worlds, agents), got "
-            f"{value!r}; see coopenv.agents.partners"
-        )
-    return value
-
-
-def _built(value: Any, name: str, kind: type) -> Any:
-    """Build ``kind`` from a mapping, the form in which JSON brings a dataclass back."""
-    if not isinstance(value, Mapping):
-        if not isinstance(value, kind):
-            raise InvalidInput(
-                f"{name} must be a {kind.__name__}, got {value!r}; pass {kind.__name__}(...)"
-            )
-        return value
-    known = [entry.name for entry in fields(kind)]
-    for key in value:
-        if key not in known:
-            raise UnknownName(f"keyword of {name}", key, known)
-    if kind is Scene:
-        boxes = tuple(_built(box, "scene.obstacles", Box) for box in value.get("obstacles", ()))
-        value = {**value, "obstacles": boxes}
-    return kind(**value)
-
-
-def _one_or_more(value: Any, name: str, kind: type) -> Any:
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        if not value:
-            raise InvalidInput(f"{name} must not be empty, got {value!r}; give one, or one a world")
-        return tuple(_built(entry, name, kind) for entry in value)
-    return _built(value, name, kind)
-
-
 def _spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
     if not isinstance(value, tuple):
         return (value,) * num_worlds
@@ -342,30 +235,3 @@ def _pairs(bodies: Sequence[Body], scenes: Sequence[Scene]) -> Iterable[tuple[Bo
     if len(bodies) == len(scenes):
         return zip(bodies, scenes, strict=True)
     return product(bodies, scenes)
-
-
-def _limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:
-    limits = finite_array(value, name)
-    if limits.shape not in ((), (num_agents,)) or (limits <= 0).any():
-        raise InvalidInput(
-            f"{name} must be positive, one number or one for each of {num_agents} agents, "
-            f"got {value!r}; a torque-free agent is action='force'"
-        )
-    return tuple(limits.tolist()) if limits.ndim else limits.item()
-
-
-def _agents(value: Any, name: str, num_agents: int) -> tuple[int, ...] | None:
-    """Numbers of agents, each once."""
-    if value is None:
-        return None
-    if isinstance(value, str) or not isinstance(value, Sequence):
-        raise InvalidInput(
-            f"{name} must be a sequence of agents' numbers, got {value!r}; pass for example (0,)"
-        )
-    agents = tuple(whole(agent, name, at_least=0) for agent in value)
-    if len(set(agents)) < len(agents) or max(agents, default=0) >= num_agents:
-        raise InvalidInput(
-            f"{name} must name agents 0 to {num_agents - 1}, each once, got {agents}; "
-            "drop what is not there"
-        )
-    return agents

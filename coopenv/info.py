@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, IntArray
+from coopenv.arrays import FloatArray, IntArray, with_rows
 from coopenv.transition import Transition
 
 Info = dict[str, Any]  # name -> array with one entry a world, or a dict of such arrays
@@ -59,7 +59,7 @@ def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:
     return {
         name: with_worlds(value, worlds, other[name])
         if isinstance(value, dict)
-        else replaced(value, worlds, other[name])
+        else with_rows(value, worlds, other[name])
         for name, value in info.items()
     }
 
@@ -70,13 +70,6 @@ def copied(info: Info) -> Info:
         name: copied(value) if isinstance(value, dict) else value.copy()
         for name, value in info.items()
     }
-
-
-def replaced(value: Any, worlds: IntArray, other: Any) -> Any:
-    """A copy of an array with the rows ``worlds`` set to ``other``."""
-    copy = value.copy()
-    copy[worlds] = other
-    return copy
 
 
 def one(info: Info, k: int) -> Info:

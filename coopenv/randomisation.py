@@ -1,18 +1,19 @@
-"""Domain randomisation: what of the body and the team every episode draws anew."""
+"""Domain randomisation: ranges from which every episode draws body and team, and what is drawn."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import product
-from typing import Any, TypeAlias
+from math import exp, log
+from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array
+from coopenv.arrays import FloatArray, Range, between, number_range, positive_range
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.physics.body import Body
+from coopenv.physics.body import Body, Points, copied, second_moments
 
-Range: TypeAlias = tuple[float, float]  # lowest and highest; both may be the same
-
+_FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
+_LIMITS = ("force_limit", "torque_limit")
 _RIM = 1e-9  # [m²] edge by distance that counts as on the rim
 _MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction")
 
@@ -51,7 +52,10 @@ class Ranges:
             if value is None or name == "logarithmic":
                 continue
             label = f"randomise.{name}"
-            given = _grips(value, label) if name == "grips" else _positive(value, label)
+            if name == "grips":
+                given = _grips(value, label)
+            else:
+                given = positive_range(value, label, or_zero=name in _MAY_BE_ZERO)
             object.__setattr__(self, name, given)
         self._check_logarithmic()
 
@@ -97,13 +101,94 @@ class Ranges:
                 )
 
 
-def _positive(value: Any, name: str) -> Range:
-    low, high = _range(value, name)
-    or_zero = name.rpartition(".")[2] in _MAY_BE_ZERO
-    if low < 0 or (low == 0 and not or_zero):
-        rule = "not begin below zero" if or_zero else "begin above zero"
-        raise InvalidInput(f"{name} must {rule}, got {value!r}; raise its low end")
-    return low, high
+class Variations:
+    """What `Ranges` make of one body and its team.
+
+    Parameters
+    ----------
+    ranges
+        From which is drawn.
+    body
+        What is varied.
+    limits
+        ``(agent, 2)``: force [N] and torque [N·m] an action of 1 stands for where nothing else is
+        drawn.
+
+    Attributes
+    ----------
+    count
+        How many numbers in [0, 1] make one variation.
+    """
+
+    def __init__(self, ranges: Ranges, body: Body, limits: FloatArray):
+        self._body, self._limits = body, limits
+        agents = range(body.num_agents)
+        single = [name for name in (*_FIELDS, "length") if getattr(ranges, name) is not None]
+        plan: list[tuple[str, int, Range]] = [(name, 0, getattr(ranges, name)) for name in single]
+        if ranges.grips is not None:
+            plan += [("grips", i, ends) for i in agents for ends in ranges.grips]
+        for name in _LIMITS:
+            ends = getattr(ranges, name)
+            plan += [(name, i, ends) for i in agents if ends is not None]
+        self.count = len(plan)
+        self._single, self._moves_grips = single, ranges.grips is not None
+        self._columns = [column for column, name in enumerate(_LIMITS) if getattr(ranges, name)]
+        self._ends = [ends for *_, ends in plan]
+        self._logs = [
+            (log(ends[0]), log(ends[1])) if name in ranges.logarithmic else None
+            for name, _, ends in plan
+        ]
+        self._moments = second_moments(body.outline)
+
+    def __call__(self, fractions: Sequence[float]) -> tuple[Body, FloatArray]:
+        """The body and the limits ``(agent, 2)`` that `count` numbers in [0, 1] stand for."""
+        numbers = [
+            _drawn(ends, fraction, logs)
+            for ends, fraction, logs in zip(self._ends, fractions, self._logs, strict=True)
+        ]
+        values: dict[str, Any] = dict(zip(self._single, numbers, strict=False))
+        rest, num_agents = numbers[len(self._single) :], self._body.num_agents
+        self._stretch(values)
+        if self._moves_grips:
+            grips: Points = values.get("grips", self._body.grips)
+            values["grips"] = tuple(
+                (x + rest[2 * i], y + rest[2 * i + 1]) if x or y else (x, y)
+                for i, (x, y) in enumerate(grips)
+            )
+            rest = rest[2 * num_agents :]
+        limits = self._limits.copy()
+        for number, column in enumerate(self._columns):
+            limits[:, column] = rest[number * num_agents : (number + 1) * num_agents]
+        return copied(self._body, values), limits
+
+    def extremes(self) -> tuple[Body, Body]:
+        """The body with everything at its lowest, and with everything at its highest."""
+        return self([0.0] * self.count)[0], self([1.0] * self.count)[0]
+
+    def samples(self) -> list[Body]:
+        """Bodies from the ends and the inside of the ranges, without a generator."""
+        golden = (np.arange(1, self.count + 1) * 0.618 % 1).tolist()  # on no simple pattern
+        return [*self.extremes(), self(golden)[0]]
+
+    def _stretch(self, values: dict[str, Any]) -> None:
+        """Put outline, grips and inertia that go with the drawn length and mass into ``values``."""
+        body, along, across = self._body, *self._moments
+        stretch = 1.0
+        if "length" in values:
+            stretch = values.pop("length") / body.length
+            values["outline"] = tuple((stretch * x, y) for x, y in body.outline)
+            values["grips"] = tuple((stretch * x, y) for x, y in body.grips)
+        if "inertia" not in values and values.keys() & {"mass", "outline"}:
+            grown = (stretch * stretch * along + across) / (along + across)
+            heavier = values.get("mass", body.mass) / body.mass
+            values["inertia"] = (body.inertia or 0.0) * heavier * grown
+
+
+def _drawn(ends: Range, fraction: float, logs: Range | None) -> float:
+    """The number between ``ends``, or log-uniformly between them where their ``logs`` are given."""
+    if logs is None:
+        return between(ends, fraction)
+    return min(max(exp(logs[0] + fraction * (logs[1] - logs[0])), ends[0]), ends[1])
 
 
 def _grips(value: Any, name: str) -> tuple[Range, Range]:
@@ -112,17 +197,7 @@ def _grips(value: Any, name: str) -> tuple[Range, Range]:
             f"{name} must be two ranges, along x and across, got {value!r}; "
             "pass for example ((-0.05, 0.05), (0.0, 0.0)) in metres"
         )
-    return _range(value[0], f"{name} along x"), _range(value[1], f"{name} across")
-
-
-def _range(value: Any, name: str) -> Range:
-    ends = finite_array(value, name)
-    if ends.shape != (2,):
-        raise InvalidInput(f"{name} must be (low, high), got {value!r}; give two numbers")
-    low, high = ends.tolist()
-    if low > high:
-        raise InvalidInput(f"{name} must be (low, high), got {value!r}; swap them")
-    return low, high
+    return number_range(value[0], f"{name} along x"), number_range(value[1], f"{name} across")
 
 
 def _holds(

@@ -1,19 +1,38 @@
-"""What a reset may be told, checked."""
+"""Validation of reset arguments, and drawing of the episodes that a reset begins."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium.utils import seeding
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
+from coopenv.chance import draw_keys
+from coopenv.conditions import Conditions, Load, Room, Team
+from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.physics.scene import Scene
+from coopenv.observation.sensor import Sensor
+from coopenv.partner import Generators
+from coopenv.physics.body import Body
+from coopenv.physics.scene import WALL_THICKNESS, Scene
+from coopenv.randomisation import Variations
+from coopenv.tasks import Episode, Pose
+from coopenv.wrench import Decomposer
 
 Seed = int | Sequence[int | None] | None
 
 
-def world_seeds(seed: Seed, worlds: list[int], num_worlds: int) -> list[int | None]:
-    """The seed of each of ``worlds``; ``None`` lets its generator go on."""
+def seed_worlds(generators: list[np.random.Generator | None], seed: Seed, worlds: IntArray) -> None:
+    """Give ``worlds`` the generators of their seeds; where that is ``None``, theirs goes on."""
+    chosen = worlds.tolist()
+    for k, own in zip(chosen, _seeds(seed, chosen, len(generators)), strict=True):
+        if own is not None or generators[k] is None:
+            generators[k] = seeding.np_random(own)[0]
+
+
+def _seeds(seed: Seed, worlds: list[int], num_worlds: int) -> list[int | None]:
+    """The seed of each of ``worlds``."""
     if seed is None:
         return [None] * len(worlds)
     if not isinstance(seed, Sequence | np.ndarray):
@@ -74,3 +93,170 @@ def check_free(
                     f"and off its obstacles, got {pose[k].tolist()} in world {k}; the origin "
                     "is the room's centre"
                 )
+
+
+class Draws:
+    """Draws episodes world by world, each from its own generator.
+
+    Parameters
+    ----------
+    config
+        What may be drawn.
+    num_worlds
+        Worlds drawn for.
+
+    Attributes
+    ----------
+    scenes
+        One a world, without what episodes bring.
+    changing
+        Whether an episode's conditions may differ from those of the one before it.
+    reach
+        Distance of the farthest point of any body that may be drawn from its centre of mass [m].
+    """
+
+    def __init__(self, config: TransportConfig, num_worlds: int):
+        self._task = config.task
+        self._bodies, self.scenes = config.bodies(num_worlds), config.scenes(num_worlds)
+        self._limits = np.repeat(config.limits()[None], num_worlds, axis=0)
+        self._settings = config.decomposition
+        self._own_boxes = self._task.max_obstacles
+        self._told = self._told_by(config)
+        self._needs_keys = any(
+            isinstance(entry, Sensor) and entry.is_random for entry in config.observe
+        )
+        self._variations = self._varied_by(config)
+        self.changing = self._own_boxes > 0 or self._task.moves or bool(self._variations)
+        self.reach = self._farthest()
+
+    def first(self) -> Conditions:
+        """What holds before the first episode is drawn."""
+        bodies, scenes = self._bodies, self.scenes
+        capacity = self._own_boxes + max(len(scene.obstacles) for scene in scenes)
+        return Conditions(
+            bodies=bodies,
+            scenes=scenes,
+            team=Team.build(np.array([b.grips for b in bodies]), self._limits, self._settings),
+            load=Load.of(bodies, max(len(body.outline) for body in bodies)),
+            room=Room.of(scenes, capacity),
+            task=self._task,
+            plan=np.zeros((len(bodies), 0)),
+            told=np.repeat(self._told[None], len(bodies), axis=0),
+            key=np.zeros(len(bodies), dtype=np.uint64),
+            randomised=bool(self._variations),
+        )
+
+    def next(
+        self, conditions: Conditions, generators: Generators, worlds: IntArray
+    ) -> tuple[Conditions, FloatArray, FloatArray]:
+        """Conditions with the next episodes of ``worlds``, and their starts and goals."""
+        chosen = worlds.tolist()
+        carried = [self._carried(generators[k], k) for k in chosen]
+        episodes = [
+            self._episode(generators[k], k, body)
+            for k, (body, _) in zip(chosen, carried, strict=True)
+        ]
+        start = _poses([episode.start for episode in episodes], "start")
+        goal = _poses([episode.goal for episode in episodes], "goal")
+        planned = conditions.plan.shape[1] or any(episode.plan for episode in episodes)
+        if chosen and (self.changing or planned):
+            plan = _plans(episodes, conditions)
+            if plan.shape[1] != conditions.plan.shape[1]:  # the first ones
+                conditions = replace(
+                    conditions, plan=np.zeros((len(conditions.bodies), plan.shape[1]))
+                )
+            conditions = conditions.with_worlds(
+                worlds,
+                bodies=[body for body, _ in carried],
+                scenes=[self._furnished(k, e) for k, e in zip(chosen, episodes, strict=True)],
+                limits=np.array([limits for _, limits in carried]),
+                plan=plan,
+            )
+        if self._needs_keys and chosen:  # after all else, which so stays as it is without sensors
+            conditions = conditions.with_keys(worlds, draw_keys(generators, worlds))
+        return conditions, start, goal
+
+    def _carried(self, generator: np.random.Generator | None, k: int) -> tuple[Body, FloatArray]:
+        """The body of world ``k``'s next episode, and the team's limits ``(agent, 2)``."""
+        body, limits = self._bodies[k], self._limits[k]
+        if not self._variations:
+            return body, limits
+        assert generator is not None
+        variations = self._variations[body]
+        return variations(generator.random(variations.count).tolist())
+
+    def _episode(self, generator: np.random.Generator | None, k: int, body: Body) -> Episode:
+        assert generator is not None
+        drawn = self._task.sample(generator, body, self.scenes[k])
+        return drawn if isinstance(drawn, Episode) else Episode(start=drawn[0], goal=drawn[1])
+
+    def _furnished(self, k: int, episode: Episode) -> Scene:
+        """The scene of world ``k`` with the obstacles that an episode brings."""
+        scene, boxes = self.scenes[k], episode.obstacles
+        if not boxes:
+            return scene
+        if len(boxes) > self._own_boxes:
+            raise InvalidInput(
+                f"max_obstacles of the task must be at least {len(boxes)}, got {self._own_boxes}; "
+                "raise it to the most obstacles an episode brings"
+            )
+        far = np.array(scene.size) / 2 + WALL_THICKNESS
+        for box in boxes:
+            if (np.abs(box.vertices) > far).any():
+                raise InvalidInput(
+                    f"obstacles of an episode must lie within the walls of a room of {scene.size} "
+                    f"m, got {box}; move or shorten it"
+                )
+        return replace(scene, obstacles=scene.obstacles + boxes)
+
+    def _varied_by(self, config: TransportConfig) -> dict[Body, Variations]:
+        """For each body what is drawn of it, nothing without ranges.
+
+        Raises where the decomposition could not work with what is drawn.
+        """
+        if config.randomise is None:
+            return {}
+        varied = {b: Variations(config.randomise, b, config.limits()) for b in set(self._bodies)}
+        grips = [body.grips for each in varied.values() for body in each.samples()]
+        try:
+            Decomposer(grips, config.decomposition)
+        except InvalidInput as error:
+            raise InvalidInput(
+                f"randomise must leave grips that the decomposition can work with: {error}"
+            ) from error
+        return varied
+
+    def _farthest(self) -> float:
+        bodies = set(self._bodies)
+        if self._variations:
+            bodies = {drawn for each in self._variations.values() for drawn in each.extremes()}
+        return max(body.reach for body in bodies)
+
+    def _told_by(self, config: TransportConfig) -> np.ndarray:
+        told = np.ones((config.num_agents, 2), dtype=np.bool_)
+        if config.informed is not None:
+            told[:] = False
+            told[list(config.informed)] = True
+        return told & self._task.told(config.num_agents)
+
+
+def _poses(drawn: Sequence[Pose], name: str) -> FloatArray:
+    """What a task's ``sample`` gave for ``name``, ``(world, 3)``."""
+    if any(np.shape(pose) != (3,) for pose in drawn) or not np.isfinite(drawn).all():
+        wrong = [pose for pose in drawn if np.shape(pose) != (3,) or not np.isfinite(pose).all()]
+        raise InvalidInput(
+            f"{name} of an episode must be three finite numbers x, y [m], θ [rad], got {wrong[0]}; "
+            "change the task's sample"
+        )
+    return np.array(drawn, dtype=np.float64).reshape(-1, 3)
+
+
+def _plans(episodes: Sequence[Episode], before: Conditions) -> FloatArray:
+    """The episodes' plans ``(world, number)``, as long as those under way."""
+    lengths = {len(episode.plan) for episode in episodes} | ({before.plan.shape[1]} - {0})
+    if len(lengths) > 1:
+        raise InvalidInput(
+            f"plan must have as many numbers in every episode of a task, got {sorted(lengths)}; "
+            "fill it up with zeros"
+        )
+    return np.array([episode.plan for episode in episodes], dtype=np.float64)

@@ -1,27 +1,23 @@
-"""The core: many worlds reset and stepped together. Every environment is a view of it."""
+"""The core of every environment: many worlds reset and stepped together."""
 
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from gymnasium.utils import seeding
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
-from coopenv.compiled import compiled
+from coopenv.arrays import BoolArray, FloatArray, IntArray, whole, with_rows
 from coopenv.conditions import Team
 from coopenv.config import ACTIONS, TransportConfig
-from coopenv.draws import Draws
+from coopenv.driven import driven_agents, read_action
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.geometry import frames
-from coopenv.info import Info, copied, replaced, start_info, step_info, with_worlds
+from coopenv.info import Info, copied, start_info, step_info, with_worlds
 from coopenv.observation import Observation
-from coopenv.partner import Company
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.physics.world import World
-from coopenv.resets import Seed, check_free, given_pose, marked_worlds, world_seeds
-from coopenv.rewards import find_reward
-from coopenv.tasks.base import overrides
+from coopenv.resets import Draws, Seed, check_free, given_pose, marked_worlds, seed_worlds
+from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
 from coopenv.wrench.grasp import sum_at_centre
 
@@ -80,7 +76,7 @@ class Transport:
         self.action_size = ACTIONS[self.config.action]
         self.dt, self.substeps = self.config.dt, self.config.substeps
         self.horizon = self.config.horizon
-        self.reward = find_reward(self.config.reward)
+        self.reward = self.config.terms
         self.observation = Observation(self.config.observe, self.num_agents, self.num_worlds)
         self._draws = Draws(self.config, self.num_worlds)
         self.conditions = self._draws.first()
@@ -92,16 +88,11 @@ class Transport:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
-        partnered = self.config.partner is not None
-        self._company = Company(self.config, self.num_worlds) if partnered else None
+        self._driven = driven_agents(self.config, self.num_worlds)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
-        task = self.config.task
-        self._has_moving_goal = task.moves
-        self._may_be_early, self._is_judged = overrides(task, "due"), overrides(task, "accepts")
-        self._distances = np.zeros(self.num_worlds)  # [m] sum over the steps of the episode
-        self._steps = np.zeros(self.num_worlds, dtype=np.int64)
-        self._ended, self._any_ended = np.ones(self.num_worlds, dtype=np.bool_), True
+        self._task, self._has_moving_goal = self.config.task, self.config.task.moves
+        self._episodes = Episodes(self._task, self.num_worlds, dt=self.dt, horizon=self.horizon)
         self._obs = np.zeros((0,), dtype=np.float32)
         self._info: Info = {}
 
@@ -179,7 +170,7 @@ class Transport:
             )
         given = (pose, "pose"), (goal, "goal")
         check_free(worlds, given, self._draws.scenes)
-        self._seed(seed, worlds)
+        seed_worlds(self.generators, seed, worlds)
         drawn, drawn_pose, drawn_goal = self._draws.next(self.conditions, self.generators, worlds)
         check_free(worlds, given, drawn.scenes)
         self.conditions = drawn
@@ -188,20 +179,17 @@ class Transport:
             drawn_pose if pose is None else pose[worlds],
             drawn_goal if goal is None else goal[worlds],
         )
-        company = self._company
-        obs, info = self.observation(start, worlds), start_info(start, tuple(self.reward))
-        if company is not None:
-            company.begin(worlds, self.generators, start)
-            obs = company.of_learners(obs)
-            info["reward_terms"] = company.terms_of_learners(info["reward_terms"])
+        obs = self._driven.of_learners(self.observation(start, worlds))
+        info = start_info(start, tuple(self.reward))
+        self._driven.begin(worlds, self.generators, start)
+        info["reward_terms"] = self._driven.terms_of_learners(info["reward_terms"])
         if self.transition is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:
             self.transition = self.transition.with_worlds(worlds, start, self.conditions)
-            obs = replaced(self._obs, worlds, obs)
+            obs = with_rows(self._obs, worlds, obs)
             info = with_worlds({name: self._info[name] for name in info}, worlds, info)
-        if company is not None:
-            info.update(company.info(self.transition))
+        info.update(self._driven.info(self.transition))
         self._obs, self._info = obs, info
         return obs.copy(), copied(info)
 
@@ -237,16 +225,11 @@ class Transport:
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None
     ) -> tuple[npt.NDArray[np.float32], FloatArray, BoolArray, BoolArray, Info]:
         """`step` for views that copy what they hand out: these arrays are the core's own."""
-        if self._any_ended or restart is not None:
-            self._check_running(restart)
-        clipped, applied = self._applied(action, restart)
-        before = self.transition
-        assert before is not None
+        before = self._running(restart)
+        clipped, applied = self._applied(action, before, restart)
         self.world.step(sum_at_centre(applied, self.team.grips))
-        self._steps, time = _tick(self._steps, self.dt)
-        next_state = self._state(before.next_state.goal, time)
-        success = self._success(next_state)
-        truncated, self._ended, self._any_ended = _ends(success, self._steps, self.horizon)
+        next_state = self._state(before.next_state.goal, self._episodes.tick())
+        success, truncated = self._episodes.judge(self.conditions, next_state)
         self.transition = transition = Transition(
             state=before.next_state,
             next_state=next_state,
@@ -261,59 +244,37 @@ class Transport:
             dt=self.dt,
             horizon=self.horizon,
         )
+        driven = self._driven
         reward, parts = self.reward(transition)
-        self._obs = self.observation(transition)
-        company = self._company
-        if company is not None:
-            self._obs, reward = company.of_learners(self._obs), company.of_learners(reward)
-            parts = company.terms_of_learners(parts)
-        self._info = step_info(transition, parts)
-        if company is not None:
-            self._info.update(company.info(transition))
+        reward = driven.of_learners(reward)
+        self._obs = driven.of_learners(self.observation(transition))
+        self._info = step_info(transition, driven.terms_of_learners(parts))
+        self._info.update(driven.info(transition))
         if restart is None or not restart.any():
             return self._obs, reward, success, truncated, self._info
         obs, info = self.reset(mask=restart)
         reward[restart] = 0
         return obs, reward, success & ~restart, truncated & ~restart, info
 
-    def _applied(
-        self, action: npt.ArrayLike, restart: BoolArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Clipped actions, and the wrenches in the object frame that they stand for."""
-        wanted = (self.num_worlds, len(self.learners), self.action_size)
-        try:
-            given = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):
-            given = finite_array(action, "action")
-        if given.shape != wanted:
-            raise InvalidInput(
-                f"action must have shape (world, agent, {self.action_size}) = {wanted}, "
-                f"got {given.shape}; stack one row an agent that learns"
+    def _running(self, restart: BoolArray | None) -> Transition:
+        """The last transition; raises `ResetNeeded` unless a step may follow in every world."""
+        if self.transition is None:
+            raise ResetNeeded(
+                "reset must be called before the first step, got a step; call reset()"
             )
-        if restart is not None:
-            given = np.where(restart[:, None, None], 0.0, given)
-        if self._company is not None:
-            assert self.transition is not None
-            given = self._company.joint(given, self.transition, restart)
-        clipped, applied, finite = frames.wrenches_from_actions(
-            given, self.team.frame, self.team.limits
-        )
-        if not finite:
-            finite_array(given, "action")  # raises, naming the place
-        return clipped, applied
+        self._episodes.check_running(restart)
+        return self.transition
 
-    def _success(self, state: State) -> BoolArray:
-        task = self.config.task
-        success = task.success(state.pose, state.twist, state.goal)
-        if self._may_be_early:
-            success = success & task.due(self.conditions.plan, state.time)
-        if self._is_judged:
-            self._distances = self._distances + state.distance
-            success = success & task.accepts(self._distances / self._steps)
-        return success
+    def _applied(
+        self, action: npt.ArrayLike, before: Transition, restart: BoolArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Clipped actions of all agents, and the wrenches in the object frame they stand for."""
+        shape = self.num_worlds, len(self.learners), self.action_size
+        joint = self._driven.joint(read_action(action, shape, restart), before, restart)
+        return frames.wrenches_from_actions(joint, self.team.frame, self.team.limits)
 
     def _state(self, goal: FloatArray, time: FloatArray) -> State:
-        task, plan = self.config.task, self.conditions.plan
+        task, plan = self._task, self.conditions.plan
         if self._has_moving_goal:
             goal = frames.wrap_pose(task.goal_at(plan, time))
         pose = frames.wrap_pose(self.world.pose)
@@ -331,16 +292,13 @@ class Transport:
         if self._draws.changing:
             self.world.furnish(worlds, conditions.bodies, conditions.scenes)
         self.world.place(worlds, pose)
-        self._steps = self._steps.copy()
-        self._steps[worlds], self._ended[worlds] = 0, False
-        self._distances = replaced(self._distances, worlds, 0.0)
-        self._any_ended = bool(self._ended.any())
+        self._episodes.begin(worlds)
         pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
         state = State(
             pose=pose,
             twist=np.zeros((count, 3)),
             goal=goal,
-            distance=self.config.task.way(conditions.plan, pose, goal),
+            distance=self._task.way(conditions.plan, pose, goal),
             time=np.zeros(count),
         )
         action = np.zeros((count, self.num_agents, self.action_size))
@@ -360,41 +318,6 @@ class Transport:
             horizon=self.horizon,
         )
 
-    def _seed(self, seed: Seed, worlds: IntArray) -> None:
-        chosen = worlds.tolist()
-        for k, own in zip(chosen, world_seeds(seed, chosen, self.num_worlds), strict=True):
-            if own is not None or self.generators[k] is None:
-                self.generators[k] = seeding.np_random(own)[0]
-
-    def _check_running(self, restart: BoolArray | None) -> None:
-        """Raise `ResetNeeded` where a world that does not restart has no episode under way."""
-        if self.transition is None:
-            raise ResetNeeded(
-                "reset must be called before the first step, got a step; call reset()"
-            )
-        ended = np.flatnonzero(self._ended if restart is None else self._ended & ~restart)
-        if len(ended):
-            raise ResetNeeded(
-                "worlds whose episode has ended must be reset before the next step, got a step "
-                f"with {len(ended)} ended (the first: {ended[0]}); "
-                "call reset(mask=terminated | truncated)"
-            )
-
 
 def _made(kind: type[Transport], num_worlds: int, config: TransportConfig) -> Transport:
     return kind(num_worlds=num_worlds, config=config)
-
-
-@compiled
-def _tick(steps, dt):
-    """Steps and time [s] since the episode began, one step later."""
-    later = steps + 1
-    return later, later * dt
-
-
-@compiled
-def _ends(success, steps, horizon):
-    """Which worlds ran out of time, which ended either way, and whether any did."""
-    truncated = (steps >= horizon) & ~success
-    ended = truncated | success
-    return truncated, ended, ended.any()

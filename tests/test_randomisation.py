@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from coopenv import Body, Ranges, Scene, Transport, TransportConfig
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.physics.body import second_moments
-from coopenv.variations import Variations
+from coopenv.randomisation import Variations
 from coopenv.wrench import Settings
 from tests.helpers import ALONG, TRIO, WIDE, actions, assert_same
 

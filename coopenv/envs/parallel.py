@@ -33,7 +33,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
 
     Every agent has its own observation and reward; they end together. Agents that a ``partner``
     drives are not among them. Info, per agent: as `coopenv.info.step_info`, wrenches, shares and
-    reward terms its own; of a partner, as `coopenv.partner.Company.info`.
+    reward terms its own; of a partner, as `coopenv.driven.DrivenAgents.info`.
 
     Parameters
     ----------

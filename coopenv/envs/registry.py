@@ -1,4 +1,4 @@
-"""What every environment id consists of: its defaults, and the views that start from them."""
+"""Registration of environment ids: their defaults, and the views that start from them."""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -88,14 +88,29 @@ def register(id: str, **defaults: Any) -> Views:
         raise InvalidInput(f"id must be a name without a colon, got {id!r}; see gymnasium.register")
     TransportConfig.parse({}, defaults)
     module = sys._getframe(1).f_globals.get("__name__", "__main__")
+    made = views(id.rpartition("/")[2], defaults)
+    return _entered(id, made, __name__, registered=f"{module}:{id}")
+
+
+def register_module(module: str, id: str, defaults: Mapping[str, Any]) -> Views:
+    """`register` for a module that holds the views of one id by their names.
+
+    Gymnasium then finds them there, and PettingZoo's tools take the module for an environment's.
+    The defaults are not tried out: every import of the module would draw episodes.
+    """
+    return _entered(id, views(module.rpartition(".")[2], defaults), module)
+
+
+def _entered(id: str, made: Views, module: str, **kwargs: str) -> Views:
+    """Enter the views of an id in the registries; ``module`` has Gymnasium's entry points."""
     gymnasium.register(
         id=id,
-        entry_point=f"{__name__}:single_env",
-        vector_entry_point=f"{__name__}:vector_env",
-        kwargs={"registered": f"{module}:{id}"},
+        entry_point=f"{module}:single_env",
+        vector_entry_point=f"{module}:vector_env",
+        kwargs=kwargs,
     )
-    _REGISTERED[id] = views(id.rpartition("/")[2], defaults)
-    return _REGISTERED[id]
+    _REGISTERED[id] = made
+    return made
 
 
 def single_env(*, registered: str, **keywords: Any) -> TransportEnv:
@@ -143,8 +158,7 @@ def find_config(env: str, keywords: Mapping[str, Any]) -> TransportConfig:
     spec = gymnasium.registry.get(name)
     defaults = None if spec is None else defaults_of(spec)
     if spec is None or defaults is None:
-        ours = [known for known in gymnasium.registry if known.startswith(PREFIX)]
-        raise UnknownName("env", env, [*ours, *_REGISTERED])
+        raise UnknownName("env", env, _REGISTERED)
     own = {key: value for key, value in spec.kwargs.items() if key != "registered"}
     return TransportConfig.parse({**own, **keywords}, defaults)
 

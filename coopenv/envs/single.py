@@ -28,7 +28,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     its slice in one agent's part. Action: ``action_size`` numbers an agent, in [−1, 1], clipped.
     Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms averaged
     over the team. Agents that a ``partner`` drives have no part in observation, action and reward;
-    what is true of it is in the info (`coopenv.partner.Company.info`).
+    what is true of it is in the info (`coopenv.driven.DrivenAgents.info`).
 
     ``horizon`` truncates. ``gymnasium.make(..., max_episode_steps=)`` puts Gymnasium's time limit
     outside, of which the environment does not learn: it can stop an episode earlier, not later.

@@ -97,23 +97,20 @@ def wrenches_from_actions(action, frame, limit):
 
     Returns
     -------
-    ``(clipped, applied, finite)``: ``(world, agent, a)``, ``(world, agent, 3)`` and whether every
-    action was finite.
+    ``(clipped, applied)``: ``(world, agent, a)`` and ``(world, agent, 3)``.
     """
     num_worlds, num_agents, width = action.shape
     clipped = np.empty((num_worlds, num_agents, width))
     applied = np.zeros((num_worlds, num_agents, 3))
-    finite = True
     for k in range(num_worlds):
         for i in range(num_agents):
             for j in range(width):
-                finite = finite and np.isfinite(action[k, i, j])
                 clipped[k, i, j] = min(max(action[k, i, j], -1.0), 1.0)
             x, y = limit[k, i, 0] * clipped[k, i, 0], limit[k, i, 0] * clipped[k, i, 1]
             applied[k, i, 0], applied[k, i, 1] = rotated(frame[k, i, 0], frame[k, i, 1], x, y)
             if width == 3:
                 applied[k, i, 2] = limit[k, i, 1] * clipped[k, i, 2]
-    return clipped, applied, finite
+    return clipped, applied
 
 
 @compiled

@@ -16,7 +16,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, finite_array, positive, whole
+from coopenv.arrays import (
+    BoolArray,
+    FloatArray,
+    Range,
+    between,
+    finite_array,
+    number_range,
+    positive_range,
+    whole,
+)
 from coopenv.errors import InvalidInput
 from coopenv.observation import Block
 from coopenv.physics.body import Body
@@ -26,7 +35,6 @@ from coopenv.tasks.passage import narrowest, seen_gap, way_through
 from coopenv.tasks.pose import PoseTask, free_pose
 from coopenv.transition import Transition
 
-Range = tuple[float, float]  # from, to
 Rectangle = tuple[tuple[float, float], tuple[float, float]]  # lower left and upper right corner [m]
 
 GUIDES = ("both", "one", "none")
@@ -96,9 +104,9 @@ class DoorwayTask(PoseTask):
         PoseTask.__post_init__(self)
         self._check_positive("wall_thickness")
         _set = object.__setattr__
-        for name in ("gap", "gap_position", "wall"):
-            _set(self, name, _range(getattr(self, name), f"task.{name}"))
-        positive(self.gap[0], "task.gap", unit="m")
+        _set(self, "gap", positive_range(self.gap, "task.gap"))
+        for name in ("gap_position", "wall"):
+            _set(self, name, number_range(getattr(self, name), f"task.{name}"))
         for name in ("start_platform", "goal_platform"):
             _set(self, name, _rectangle(getattr(self, name), f"task.{name}"))
         left = self.wall[0] - self.wall_thickness / 2 - self.start_platform[1][0]  # [m]
@@ -193,8 +201,8 @@ class DoorwayTask(PoseTask):
         shape, half = narrowest(body.outline), self.wall_thickness / 2
         for _ in range(_TRIES):
             x, y, gap = (
-                low + part * (high - low)
-                for part, (low, high) in zip(
+                between(ends, part)
+                for part, ends in zip(
                     generator.random(3).tolist(),
                     (self.wall, self.gap_position, self.gap),
                     strict=True,
@@ -232,16 +240,6 @@ class DoorwayTask(PoseTask):
                 "thousand random poses do not fit; enlarge it, or take away scene.obstacles"
             )
         return pose
-
-
-def _range(value: object, name: str) -> Range:
-    given = finite_array(value, name)
-    if given.shape != (2,) or given[0] > given[1]:
-        raise InvalidInput(
-            f"{name} must be a range (from, to), the smaller first, got {value!r}; "
-            "give the same number twice for a fixed value"
-        )
-    return float(given[0]), float(given[1])
 
 
 def _rectangle(value: object, name: str) -> Rectangle:

@@ -1,18 +1,13 @@
 """What the tasks of a body on wheels share: a distance that knows how it moves."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, positive
+from coopenv.arrays import FloatArray
 from coopenv.compiled import compiled
-from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import wrapped
 from coopenv.tasks.transport import TransportTask
-
-Range: TypeAlias = tuple[float, float]  # least, most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,27 +28,6 @@ class RollingTask(TransportTask):
         return rolling_distance(
             pose, goal, goal, _straight(pose, goal), self.angle_weight, self.position_tolerance
         )
-
-
-def between(ends: Range, fraction: float) -> float:
-    """The value at ``fraction`` of the way from the least to the most."""
-    return float(ends[0] + fraction * (ends[1] - ends[0]))
-
-
-def ordered(value: Any, name: str, *, unit: str, at_most: float = np.inf) -> Range:
-    """Read a range (least, most) of numbers that are not negative, or raise `InvalidInput`."""
-    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
-        raise InvalidInput(
-            f"{name} must be two numbers (least, most), got {value!r}; give them in {unit}"
-        )
-    least = positive(value[0], name, unit=unit, or_zero=True)
-    most = positive(value[1], name, unit=unit)
-    if not least <= most <= at_most:
-        raise InvalidInput(
-            f"{name} must be (least, most) in order and at most {at_most:.4g}, got {value!r}; "
-            "swap or change them"
-        )
-    return least, most
 
 
 @compiled

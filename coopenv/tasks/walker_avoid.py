@@ -5,7 +5,7 @@ from math import hypot, pi
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, positive, whole
+from coopenv.arrays import FloatArray, Range, between, positive, positive_range, whole
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
 from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
@@ -16,7 +16,7 @@ from coopenv.physics.body import Body
 from coopenv.physics.scene import WALL_THICKNESS, Box, Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.nearest import NEAREST
-from coopenv.tasks.rolling import Range, RollingTask, between, ordered, rolling_distance
+from coopenv.tasks.rolling import RollingTask, rolling_distance
 from coopenv.tasks.transport import TransportTask
 
 _TRIES, _BLOCK = 4000, 100
@@ -61,9 +61,9 @@ class WalkerAvoidTask(RollingTask):
         TransportTask.__post_init__(self)
         _set = object.__setattr__
         _set(self, "obstacles", whole(self.obstacles, "task.obstacles", at_least=1))
-        for name in ("obstacle_size", "approach", "beyond"):
-            _set(self, name, ordered(getattr(self, name), f"task.{name}", unit="metres"))
-        positive(self.obstacle_size[0], "task.obstacle_size", unit="metres")
+        _set(self, "obstacle_size", positive_range(self.obstacle_size, "task.obstacle_size"))
+        for name in ("approach", "beyond"):
+            _set(self, name, positive_range(getattr(self, name), f"task.{name}", or_zero=True))
         for name in ("offset", "veer"):
             _set(self, name, positive(getattr(self, name), f"task.{name}", or_zero=True))
 

@@ -1,10 +1,11 @@
 """Drive a body on wheels along a straight, an arc and a straight to the pose at their end."""
 
 from dataclasses import dataclass
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
+from coopenv.arrays import Range, positive, positive_range
 from coopenv.compiled import compiled
 from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
@@ -13,7 +14,7 @@ from coopenv.geometry.frames import wrapped
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
-from coopenv.tasks.rolling import Range, RollingTask, ordered
+from coopenv.tasks.rolling import RollingTask
 from coopenv.tasks.transport import TransportTask
 
 _TRIES, _BLOCK = 2000, 50
@@ -46,8 +47,10 @@ class WalkerTurnTask(RollingTask):
     def __post_init__(self) -> None:
         TransportTask.__post_init__(self)
         _set = object.__setattr__
-        _set(self, "path_length", ordered(self.path_length, "task.path_length", unit="metres"))
-        _set(self, "turn", ordered(self.turn, "task.turn", unit="radians", at_most=2 * pi))
+        for name, most in (("path_length", inf), ("turn", 2 * pi)):
+            ends = positive_range(getattr(self, name), f"task.{name}", or_zero=True, at_most=most)
+            positive(ends[1], f"task.{name}")
+            _set(self, name, ends)
 
     def check(self, body: Body, scene: Scene) -> None:
         """Raise `InvalidInput` unless the object can turn freely and finds a way."""

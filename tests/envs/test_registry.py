@@ -9,11 +9,11 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 
 import coopenv
-from coopenv import Body, Transport, TransportTask, rewards
+from coopenv import Body, Transport, TransportConfig, TransportTask, rewards
 from coopenv.cli import main
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
-from tests.helpers import IDS
+from tests.helpers import IDS, PARALLEL
 
 MODULE = """
 from dataclasses import dataclass
@@ -159,3 +159,14 @@ def test_our_own_ids_are_found_with_their_keywords():
         core = gymnasium.make(name, horizon=9).unwrapped.transport  # pyright: ignore[reportAttributeAccessIssue]
         assert find_config(name, {"horizon": 9}) == core.config
         assert isinstance(core, Transport)
+
+
+def test_the_module_of_each_of_our_ids_holds_its_entry_points():
+    for name, module in PARALLEL.items():
+        spec = gymnasium.spec(name)
+        holder = module.__name__
+        assert spec.entry_point == f"{holder}:single_env"
+        assert spec.vector_entry_point == f"{holder}:vector_env"
+        assert spec.kwargs == {}
+        assert module.parallel_env().metadata["name"] == holder.removeprefix("coopenv.")
+        assert find_config(name, {}) == TransportConfig.parse({}, module.DEFAULTS)

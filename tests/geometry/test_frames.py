@@ -25,28 +25,18 @@ def test_at_the_centre_of_mass_it_is_the_objects_axis():
 def test_actions_from_wrenches_undo_wrenches_from_actions(width):
     action = GENERATOR.uniform(-1, 1, (4, 3, width))
     frame = frames.agent_frames(GRIPS)
-    clipped, applied, finite = frames.wrenches_from_actions(action, frame, LIMITS)
+    clipped, applied = frames.wrenches_from_actions(action, frame, LIMITS)
     np.testing.assert_array_equal(clipped, action)
-    assert finite
     back = frames.actions_from_wrenches(applied, frame, LIMITS, width)
     np.testing.assert_allclose(back, action, rtol=0, atol=1e-14)
 
 
 def test_turning_keeps_the_strength_of_a_force():
     action = GENERATOR.uniform(-1, 1, (4, 3, 3))
-    _, applied, _ = frames.wrenches_from_actions(action, frames.agent_frames(GRIPS), LIMITS)
+    _, applied = frames.wrenches_from_actions(action, frames.agent_frames(GRIPS), LIMITS)
     wanted = np.linalg.norm(action[..., :2], axis=-1) * LIMITS[..., 0]
     np.testing.assert_allclose(np.linalg.norm(applied[..., :2], axis=-1), wanted, rtol=1e-14)
     np.testing.assert_allclose(applied[..., 2], action[..., 2] * LIMITS[..., 1], rtol=1e-15)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_a_number_that_is_none_is_noticed_anywhere(value):
-    frame = frames.agent_frames(GRIPS)
-    for place in np.ndindex(4, 3, 3):
-        action = np.zeros((4, 3, 3))
-        action[place] = value
-        assert not frames.wrenches_from_actions(action, frame, LIMITS)[2]
 
 
 def test_an_angle_is_wrapped_to_the_half_open_turn():

@@ -195,7 +195,7 @@ def test_a_gap_that_the_body_does_not_fit_is_refused():
 
 def test_ranges_the_wrong_way_round_are_refused():
     for name in ("gap", "gap_position", "wall"):
-        with pytest.raises(InvalidInput, match=rf"task\.{name} must be a range .*smaller first"):
+        with pytest.raises(InvalidInput, match=rf"task\.{name} must be \(low, high\), .*; swap"):
             made(**{name: (0.9, 0.6)})
         with pytest.raises(InvalidInput, match=rf"task\.{name} must be"):
             made(**{name: (0.6, 0.7, 0.8)})
@@ -215,7 +215,7 @@ def test_layouts_that_do_not_fit_are_refused_by_name():
         ({"wall_thickness": 3.0}, r"task\.start_platform must keep clear of the wall"),
         ({"goal_platform": ((3, 2), (1, 1))}, r"task\.goal_platform must be two corners"),
         ({"wall_thickness": 0.0}, r"task\.wall_thickness must be positive"),
-        ({"gap": (0.0, 0.5)}, r"task\.gap must be positive"),
+        ({"gap": (0.0, 0.5)}, r"task\.gap must begin above zero"),
     ):
         with pytest.raises(InvalidInput, match=said):
             made(**fields)

@@ -137,18 +137,30 @@ def test_turning_or_rolling_brings_it_nearer_wherever_it_is(pose, goal):
 @pytest.mark.parametrize(
     ("kind", "values", "said"),
     [
-        (WalkerTurnTask, {"path_length": (3.0, 1.0)}, r"task\.path_length must be .*in order"),
-        (WalkerTurnTask, {"path_length": 2.0}, r"task\.path_length must be two numbers"),
-        (WalkerTurnTask, {"turn": (0.0, 7.0)}, r"task\.turn must be .*at most 6\.283"),
-        (WalkerTurnTask, {"turn": (-1.0, 1.0)}, r"task\.turn must be zero or positive"),
+        (
+            WalkerTurnTask,
+            {"path_length": (3.0, 1.0)},
+            r"task\.path_length must be \(low, high\), .*; swap them",
+        ),
+        (
+            WalkerTurnTask,
+            {"path_length": 2.0},
+            r"task\.path_length must be \(low, high\), .*; give two",
+        ),
+        (WalkerTurnTask, {"turn": (0.0, 7.0)}, r"task\.turn must not end above 6\.283"),
+        (WalkerTurnTask, {"turn": (-1.0, 1.0)}, r"task\.turn must not begin below zero"),
         (WalkerTurnTask, {"position_tolerance": 0.0}, r"task\.position_tolerance must be positive"),
         (
             WalkerAvoidTask,
             {"obstacles": 0},
             r"task\.obstacles must be a whole number of at least 1",
         ),
-        (WalkerAvoidTask, {"obstacle_size": (0.0, 0.5)}, r"task\.obstacle_size must be positive"),
-        (WalkerAvoidTask, {"approach": "near"}, r"task\.approach must be two numbers"),
+        (
+            WalkerAvoidTask,
+            {"obstacle_size": (0.0, 0.5)},
+            r"task\.obstacle_size must begin above zero",
+        ),
+        (WalkerAvoidTask, {"approach": "near"}, r"task\.approach must be an array of numbers"),
         (WalkerAvoidTask, {"offset": -0.1}, r"task\.offset must be zero or positive"),
         (WalkerAvoidTask, {"veer": np.nan}, r"task\.veer must be finite"),
     ],

@@ -1,0 +1,183 @@
+"""Reading of an environment's keywords, and of what JSON makes of their values."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+from coopenv.arrays import finite_array, whole
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, find_blocks
+from coopenv.observation.block import Block
+from coopenv.observation.sensor import Sensor
+from coopenv.partner import Partner
+from coopenv.physics.scene import Box, Scene
+from coopenv.tasks import TASKS, Task, TransportTask
+
+ALIASES = ("max_episode_steps", "max_cycles")  # of the horizon: Gymnasium's word, PettingZoo's
+
+
+def complete(
+    keywords: Mapping[str, Any], defaults: Mapping[str, Any], known: Sequence[str]
+) -> dict[str, Any]:
+    """``keywords``, with defaults for what they leave out, by the ``known`` names only.
+
+    Defaults are dropped where the keywords bring a task of another kind than theirs. Words of
+    `ALIASES` stand for the horizon and override it.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        If a name is not known, or ``sensing`` comes beside ``observe``.
+    """
+    _check_one_sight(keywords)
+    values = _filled(keywords, defaults)
+    if keywords.get("sensing") is not None:  # what is given overrides the other's default
+        values.pop("observe", None)
+    elif "observe" in keywords:
+        values.pop("sensing", None)
+    for alias in ALIASES:
+        steps = values.pop(alias, None)
+        if steps is not None:
+            values["horizon"] = steps
+    for name in values:
+        if name not in known:
+            raise UnknownName("environment keyword", name, known)
+    return values
+
+
+def _filled(keywords: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
+    """``keywords`` over ``defaults``, which are dropped where the task is of another kind."""
+    if "task" not in keywords or "task" not in defaults:
+        return {**defaults, **keywords}
+    kind, task = type(defaults["task"]), keywords["task"]
+    if isinstance(task, Mapping):
+        task = _described_task(task, kind)
+    return {**(defaults if isinstance(task, kind) else {}), **keywords, "task": task}
+
+
+def read_task(value: Any) -> Task:
+    """The task itself, or the one that a mapping describes."""
+    if isinstance(value, Mapping):
+        return _described_task(value, TransportTask)
+    if not isinstance(value, Task):
+        made = isinstance(value, type) and issubclass(value, Task)
+        remedy = f"pass {value.__name__}(...)" if made else "write class Mine(coopenv.Task)"
+        raise InvalidInput(f"task must be a coopenv.Task, got {value!r}; {remedy}")
+    return value
+
+
+def _described_task(value: Mapping[str, Any], kind: type[Task]) -> Task:
+    """The package's task with exactly these fields, else one of ``kind``."""
+    exact = [task for task in TASKS if {entry.name for entry in fields(task)} == set(value)]
+    return built(value, "task", exact[0] if exact and kind not in exact else kind)
+
+
+def read_observe(sensing: str | None, observe: Any, task: Task) -> tuple[Entry, ...]:
+    """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``.
+
+    Names of the task's own blocks are replaced by these.
+    """
+    own = {block.name: block for block in task.blocks}
+    if sensing is not None:
+        observe = _sensed(sensing, observe, tuple(task.blocks))
+    if own and isinstance(observe, Sequence) and not isinstance(observe, str):
+        observe = tuple(_of_task(entry, own) for entry in observe)
+    return find_blocks(observe)
+
+
+def _sensed(sensing: Any, observe: Any, own: tuple[Block, ...]) -> tuple[Any, ...]:
+    """The blocks that the word ``sensing`` stands for, with the task's ``own``."""
+    if not isinstance(sensing, str) or sensing not in SENSING:
+        raise UnknownName("sensing", sensing, SENSING)
+    sets = (DEFAULT_BLOCKS, *SENSING.values())
+    if observe not in (*sets, *((*names, *own) for names in sets)):  # else nobody chose it by hand
+        _check_one_sight({"sensing": sensing, "observe": observe})
+    return (*SENSING[sensing], *own)
+
+
+def _check_one_sight(given: Mapping[str, Any]) -> None:
+    if given.get("sensing") is not None and "observe" in given:
+        raise InvalidInput(
+            f"sensing must come without observe, got sensing={given['sensing']!r} beside "
+            f"observe={given['observe']!r}; give one of them"
+        )
+
+
+def _of_task(entry: Any, own: Mapping[str, Block]) -> Any:
+    """The task's block of that name, or in that sensor; anything else as it is."""
+    if isinstance(entry, str):
+        return own.get(entry, entry)
+    if isinstance(entry, Sensor):
+        return replace(entry, block=_of_task(entry.block, own))
+    if isinstance(entry, Mapping) and isinstance(entry.get("block"), str):  # as JSON has a sensor
+        return {**entry, "block": _of_task(entry["block"], own)}
+    return entry
+
+
+def read_partner(value: Any) -> Partner | None:
+    """The partner of that name; anything else has to be one, or None."""
+    if isinstance(value, str):
+        from coopenv.agents.partners import find_partner  # needs the core, which needs it by name
+
+        return find_partner(value)
+    if value is not None and (isinstance(value, type) or not isinstance(value, Partner)):
+        raise InvalidInput(
+            f"partner must be a name or have a method player(config, num_worlds, agents), got "
+            f"{value!r}; see coopenv.agents.partners"
+        )
+    return value
+
+
+def built(value: Any, name: str, kind: type) -> Any:
+    """Build ``kind`` from a mapping, the form in which JSON brings a dataclass back."""
+    if not isinstance(value, Mapping):
+        if not isinstance(value, kind):
+            raise InvalidInput(
+                f"{name} must be a {kind.__name__}, got {value!r}; pass {kind.__name__}(...)"
+            )
+        return value
+    known = [entry.name for entry in fields(kind)]
+    for key in value:
+        if key not in known:
+            raise UnknownName(f"keyword of {name}", key, known)
+    if kind is Scene:
+        boxes = tuple(built(box, "scene.obstacles", Box) for box in value.get("obstacles", ()))
+        value = {**value, "obstacles": boxes}
+    return kind(**value)
+
+
+def one_or_more(value: Any, name: str, kind: type) -> Any:
+    """One of ``kind``, or a sequence of them as a tuple."""
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if not value:
+            raise InvalidInput(f"{name} must not be empty, got {value!r}; give one, or one a world")
+        return tuple(built(entry, name, kind) for entry in value)
+    return built(value, name, kind)
+
+
+def read_limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:
+    """What an action of 1 stands for: one positive number, or one an agent."""
+    limits = finite_array(value, name)
+    if limits.shape not in ((), (num_agents,)) or (limits <= 0).any():
+        raise InvalidInput(
+            f"{name} must be positive, one number or one for each of {num_agents} agents, "
+            f"got {value!r}; a torque-free agent is action='force'"
+        )
+    return tuple(limits.tolist()) if limits.ndim else limits.item()
+
+
+def read_agents(value: Any, name: str, num_agents: int) -> tuple[int, ...] | None:
+    """Numbers of agents, each once; None where none are given."""
+    if value is None:
+        return None
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise InvalidInput(
+            f"{name} must be a sequence of agents' numbers, got {value!r}; pass for example (0,)"
+        )
+    agents = tuple(whole(agent, name, at_least=0) for agent in value)
+    if len(set(agents)) < len(agents) or max(agents, default=0) >= num_agents:
+        raise InvalidInput(
+            f"{name} must name agents 0 to {num_agents - 1}, each once, got {agents}; "
+            "drop what is not there"
+        )
+    return agents

@@ -1,0 +1,83 @@
+"""Episodes under way in every world: their clocks, their success and their time limit."""
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.compiled import compiled
+from coopenv.conditions import Conditions
+from coopenv.errors import ResetNeeded
+from coopenv.tasks.base import Task, overrides
+from coopenv.transition import State
+
+
+class Episodes:
+    """Which worlds have an episode under way, for how long, and how well it went on the whole.
+
+    Parameters
+    ----------
+    task
+        Whose episodes they are.
+    num_worlds
+        Worlds stepped together; none has an episode yet.
+    dt
+        Control step [s].
+    horizon
+        Control steps after which an episode is truncated.
+    """
+
+    def __init__(self, task: Task, num_worlds: int, *, dt: float, horizon: int):
+        self._task, self._dt, self._horizon = task, dt, horizon
+        # A neutral answer is not asked for: it would cost an array operation a step.
+        self._may_be_early, self._is_judged = overrides(task, "due"), overrides(task, "accepts")
+        self._steps = np.zeros(num_worlds, dtype=np.int64)
+        self._distances = np.zeros(num_worlds)  # [m] sum over the steps of the episode
+        self._ended, self._any_ended = np.ones(num_worlds, dtype=np.bool_), True
+
+    def begin(self, worlds: IntArray) -> None:
+        """Start an episode in ``worlds``."""
+        self._steps[worlds], self._distances[worlds], self._ended[worlds] = 0, 0.0, False
+        self._any_ended = bool(self._ended.any())
+
+    def check_running(self, restart: BoolArray | None) -> None:
+        """Raise `ResetNeeded` where a world that does not ``restart`` has no episode under way."""
+        if not self._any_ended:
+            return
+        ended = np.flatnonzero(self._ended if restart is None else self._ended & ~restart)
+        if len(ended):
+            raise ResetNeeded(
+                "worlds whose episode has ended must be reset before the next step, got a step "
+                f"with {len(ended)} ended (the first: {ended[0]}); "
+                "call reset(mask=terminated | truncated)"
+            )
+
+    def tick(self) -> FloatArray:
+        """Go on by one control step; the time ``(world,)`` since each episode began [s]."""
+        self._steps, time = _tick(self._steps, self._dt)
+        return time
+
+    def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray]:
+        """Which worlds ``(world,)`` are done in this state, and which have run out of time."""
+        task = self._task
+        success = task.success(state.pose, state.twist, state.goal)
+        if self._may_be_early:
+            success = success & task.due(conditions.plan, state.time)
+        if self._is_judged:
+            self._distances = self._distances + state.distance
+            success = success & task.accepts(self._distances / self._steps)
+        truncated, self._ended, self._any_ended = _ends(success, self._steps, self._horizon)
+        return success, truncated
+
+
+@compiled
+def _tick(steps, dt):
+    """Steps and time [s] since the episode began, one step later."""
+    later = steps + 1
+    return later, later * dt
+
+
+@compiled
+def _ends(success, steps, horizon):
+    """Which worlds ran out of time, which ended either way, and whether any did."""
+    truncated = (steps >= horizon) & ~success
+    ended = truncated | success
+    return truncated, ended, ended.any()
