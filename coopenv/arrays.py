@@ -1,4 +1,4 @@
-"""Array types, and the checks that every input passes once at the door."""
+"""Array types, and checks of the numbers, ranges and arrays that users give."""
 
 from math import inf, isfinite
 from typing import Any, TypeAlias, TypeVar

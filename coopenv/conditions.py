@@ -1,4 +1,4 @@
-"""What holds for a whole episode: who carries what, where, and who knows what; one row a world."""
+"""Conditions of an episode, one row a world: body, scene, team, plan, and who is told the goal."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

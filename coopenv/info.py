@@ -1,4 +1,4 @@
-"""What a step reports beside the reward: the decomposition, measures and reward terms."""
+"""Infos of resets and steps: the decomposition, its measures and the reward terms."""
 
 from typing import Any
 

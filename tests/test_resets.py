@@ -158,6 +158,34 @@ def test_a_moving_goal_is_where_its_plan_says_and_success_waits_until_it_is_due(
         assert info["success"].tolist() == terminated.tolist()
 
 
+def test_success_waits_until_it_is_due_where_the_goal_stays_as_well():
+    class Later(TransportTask):
+        def due(self, plan, time):
+            return time >= 0.5
+
+    core = Transport(num_worlds=2, task=Later(position_tolerance=0.5))
+    core.reset(seed=0, pose=(0, 0, 0), goal=(0.1, 0, 0))
+    for step in range(1, 11):
+        *_, terminated, _, _ = core.step(np.zeros((2, 2, 3)))
+        assert terminated.tolist() == [step == 10] * 2
+
+
+def test_an_episode_may_be_judged_by_its_mean_distance():
+    class Steady(TransportTask):
+        def accepts(self, mean_distance):
+            seen.append(mean_distance.copy())
+            return mean_distance < 0.2
+
+    seen: list[np.ndarray] = []
+    core = Transport(num_worlds=2, task=Steady(position_tolerance=0.5))
+    for _ in range(2):  # what was before a reset does not count
+        seen.clear()
+        core.reset(seed=0, pose=[(0, 0, 0)] * 2, goal=[(0.1, 0, 0), (0.3, 0, 0)])
+        *_, terminated, _, _ = core.step(np.zeros((2, 2, 3)))
+        np.testing.assert_allclose(seen[-1], [0.1, 0.3])
+        assert terminated.tolist() == [True, False]
+
+
 def test_the_goal_of_a_moving_task_cannot_be_given():
     with pytest.raises(InvalidInput, match="goal must be left to a task whose goal moves"):
         Transport(task=Chase()).reset(seed=0, goal=(1, 1, 0))

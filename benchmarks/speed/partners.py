@@ -73,12 +73,11 @@ def _joint_actions(core: Transport, steps: int) -> FloatArray:
 
 def _own_work(core: Transport) -> float:
     """Seconds of a step that the partner takes for itself, asked again and again."""
-    company, last = core._company, core.transition
-    assert company is not None
+    driven, last = core._driven, core.transition
     assert last is not None
     action = np.zeros((core.num_worlds, len(core.learners), 3))
     began = time.perf_counter()
     for _ in range(STEPS):
-        company.joint(action, last)
-        company.info(last)
+        driven.joint(action, last)
+        driven.info(last)
     return (time.perf_counter() - began) / STEPS

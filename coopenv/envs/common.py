@@ -1,4 +1,4 @@
-"""What the views share: spaces, reset options, pictures."""
+"""Spaces, joint actions, reset options and pictures, which all views share."""
 
 import warnings
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What is to be carried where."""
+"""Tasks: what is to be carried where, and when it is done."""
 
 from coopenv.tasks.base import (
     Episode,

@@ -1,4 +1,4 @@
-"""The base class of all tasks, and the episode that a task draws."""
+"""Base class of tasks: four methods to write, hooks with neutral defaults, and a drawn episode."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Carry the object from one platform through a gap in a wall to another, as in the human study.
+"""Doorway task: from one platform through a gap in a wall to another, as in the human study.
 
     +-----------------------------------+
     | start       |  |             goal |

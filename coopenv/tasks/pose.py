@@ -1,4 +1,4 @@
-"""What tasks with a goal pose have in common: how far it is, and when it is reached."""
+"""Goal poses: the distance to one, success at one, and random free ones; tasks share these."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""What the tasks of a body on wheels share: a distance that knows how it moves."""
+"""Distance of a body on wheels from a pose, which counts the turns it has to make."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Follow a moving reference with the object."""
+"""Tracking task: follow a moving reference with the object."""
 
 import os
 from collections.abc import Mapping, Sequence

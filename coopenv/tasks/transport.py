@@ -1,4 +1,4 @@
-"""Carry the object from a random pose to a random pose and put it to rest there."""
+"""Transport task: carry the object from a random pose to a random pose and put it to rest there."""
 
 from dataclasses import dataclass
 from math import hypot

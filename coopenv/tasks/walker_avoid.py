@@ -1,4 +1,4 @@
-"""Drive a body on wheels past an obstacle to a pose behind it."""
+"""Walker task: drive a body on wheels past an obstacle to a pose behind it."""
 
 from dataclasses import dataclass
 from math import hypot, pi

@@ -1,4 +1,4 @@
-"""Drive a body on wheels along a straight, an arc and a straight to the pose at their end."""
+"""Walker task: drive a body on wheels along a straight, an arc and a straight to their end."""
 
 from dataclasses import dataclass
 from math import inf, pi
