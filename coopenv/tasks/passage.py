@@ -1,15 +1,12 @@
-"""Geometry of a gap in a wall: the way through it, the sight of it, who comes out first."""
+"""Geometry of a gap in a wall: the way through it, and the sight of it."""
 
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from coopenv.arrays import FloatArray, finite_array
 from coopenv.compiled import compiled
-from coopenv.errors import InvalidInput
-from coopenv.geometry.frames import rotated, rotated_back, turn_between
+from coopenv.geometry.frames import rotated_back, turn_between
 from coopenv.physics.body import Points
 
 # What a layout is, one row a world; the passage leads along x.
@@ -120,59 +117,3 @@ def seen_gap(plan, pose, frame):
             seen[k, i, 2], seen[k, i, 3] = c, -s
             seen[k, i, 4] = plan[k, GAP]
     return seen
-
-
-def grips_in_world(pose: npt.ArrayLike, grips: npt.ArrayLike) -> FloatArray:
-    """Grips ``(..., agent, 2)`` [m] of the object frame in the world frame, for poses ``(..., 3)``.
-
-    The leading dimensions of both are broadcast against each other.
-    """
-    at, held = finite_array(pose, "pose"), finite_array(grips, "grips")
-    c, s = np.cos(at[..., None, 2]), np.sin(at[..., None, 2])
-    return np.stack(rotated(c, s, held[..., 0], held[..., 1]), axis=-1) + at[..., None, :2]
-
-
-def entry_times(grips: npt.ArrayLike, platform: npt.ArrayLike, dt: float = 1.0) -> FloatArray:
-    """When each agent's grip first is on a platform, ``(..., agent)`` [s]; infinite where never.
-
-    Between two samples the grip is taken to move straight, so that agents that enter within the
-    same step can be told apart.
-
-    Parameters
-    ----------
-    grips
-        ``(step, ..., agent, 2)`` [m], world frame; see `grips_in_world`.
-    platform
-        Two corners ``(2, 2)`` [m], the lower left one first, as `DoorwayTask.goal_platform`.
-    dt
-        Time between two samples [s].
-
-    Raises
-    ------
-    InvalidInput
-        If a shape is not this.
-    """
-    path, corners = finite_array(grips, "grips"), finite_array(platform, "platform")
-    if path.ndim < 3 or path.shape[-1] != 2 or not len(path):
-        raise InvalidInput(
-            f"grips must have shape (step, ..., agent, 2), got {path.shape}; stack one entry a step"
-        )
-    if corners.shape != (2, 2):
-        raise InvalidInput(f"platform must be two corners (2, 2), got {corners.shape}; give both")
-    inside = np.minimum(path - corners[0], corners[1] - path).min(axis=-1)  # [m] from the edge
-    entered = inside >= 0
-    first = entered.argmax(axis=0)  # the first step on it, where there is one
-    now = np.take_along_axis(inside, first[None], axis=0)[0]
-    before = np.take_along_axis(inside, np.maximum(first - 1, 0)[None], axis=0)[0]
-    part = np.where(first > 0, now / np.where(first > 0, now - before, 1.0), 0.0)
-    return np.where(entered.any(axis=0), dt * (first - part), np.inf)
-
-
-def first_to_enter(grips: npt.ArrayLike, platform: npt.ArrayLike) -> npt.NDArray[np.int64]:
-    """The agent whose grip was on a platform first, ``(...)``; −1 where none ever was.
-
-    Of agents that enter at the same instant, the one of the lowest number. Arguments as for
-    `entry_times`.
-    """
-    times = entry_times(grips, platform)
-    return np.where(np.isfinite(times).any(axis=-1), times.argmin(axis=-1), -1)

@@ -13,8 +13,8 @@ from coopenv.agents.seeds import evaluation_seeds
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.files import written
 from coopenv.geometry import frames
+from coopenv.physics.scene import Box
 from coopenv.tasks import DoorwayTask
-from coopenv.tasks.passage import first_to_enter, grips_in_world
 from coopenv.transport import Transport
 
 from ..claims import number, save_rows
@@ -22,7 +22,7 @@ from ..tables import Table
 from .analysis import GUIDES
 from .config import DyadsConfig
 from .people import Pairs, Traits
-from .trials import table_of
+from .trials import entered_first, grips_in_world, table_of
 
 SOURCE = "simulated people"
 REST = 0.5  # [s] for which the beam rests on the final platform when a trial ends
@@ -62,7 +62,8 @@ def simulate(config: DyadsConfig | None = None) -> DyadsRun:
     assert isinstance(task, DoorwayTask)
     grips = grips_in_world(pose, core.team.grips)
     steps, arrived = _ends(twist, grips, task, config.dt)
-    entered = first_to_enter(grips, np.array(task.goal_platform)) + 1
+    low, high = np.array(task.goal_platform)
+    entered = entered_first(grips[:-1], Box(center=(low + high) / 2, size=high - low))
     kept = np.arange(len(applied))[:, None] < steps  # (step, world)
     at, world = np.nonzero(kept)
     trials = table_of(

@@ -16,7 +16,9 @@ from coopenv.agents.studies.dyads.config import DyadsConfig
 from coopenv.agents.studies.dyads.people import Pairs, People
 from coopenv.agents.studies.dyads.reading import read_trials
 from coopenv.agents.studies.dyads.simulation import simulate
+from coopenv.agents.studies.dyads.trials import first_to_enter
 from coopenv.errors import InvalidInput
+from coopenv.physics.scene import Box
 from coopenv.transport import Transport
 
 BRIEF = DyadsConfig(pairs=3, trials=2, seconds=14.0, dt=0.04)
@@ -93,6 +95,15 @@ def test_the_beam_arrives_turned_as_those_who_know_want_it(run):
     assert off["one"] < off["none"]
 
 
+def test_simulated_trials_say_who_is_first_as_recorded_ones_do(run):
+    platform = Box(center=(2.4, 0.0), size=(2.2, 4.0))  # of the doorway task
+    np.testing.assert_array_equal(run.trials["first"], first_to_enter(run.trials, platform))
+    first = run.trials.groupby(["pair", "condition", "trial"])["first"].first()
+    assert first.isin([1, 2]).mean() > 0.8
+    counted = (first == 1).groupby(["pair", "condition"]).sum().unstack()[list(GUIDES)]
+    np.testing.assert_array_equal(run.first, counted)
+
+
 def test_a_pair_does_the_same_whoever_else_takes_part(run):
     fewer = simulate(DyadsConfig(pairs=2, trials=2, seconds=14.0, dt=0.04)).trials
     same = run.trials[run.trials["pair"] <= 2].reset_index(drop=True)
@@ -103,7 +114,7 @@ def test_a_pair_does_the_same_whoever_else_takes_part(run):
 def test_the_command_simulates_and_its_trials_can_be_analysed_again(tmp_path, capsys, monkeypatch):
     pytest.importorskip("tyro")
     monkeypatch.setenv("COLUMNS", "160")
-    options = ("--pairs", 3, "--trials", 4, "--seconds", 5, "--dt", 0.1, "--out", tmp_path)
+    options = ("--pairs", 3, "--trials", 4, "--seconds", 9, "--dt", 0.1, "--out", tmp_path)
     assert cli.main(["study", "dyads", *map(str, options)]) == 0
     printed = capsys.readouterr().out
     assert "simulated people beside the people" in printed

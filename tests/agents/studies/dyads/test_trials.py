@@ -79,13 +79,18 @@ def test_turned_keeps_its_largest_value():
     assert trials.turned(table)[-1] == pytest.approx(1.0, abs=1e-2)
 
 
+PLATFORM = Box(center=(2.0, 0.0), size=(2.0, 2.0))
+
+
 @pytest.mark.parametrize(
-    ("angle", "first"), [(0.0, 2), (np.pi, 1), (np.pi / 2, 0), (-np.pi / 2, 0), (0.7, 2)]
+    ("angle", "first"),
+    [(0.0, 2), (np.pi, 1), (np.pi / 2, 0), (-np.pi / 2, 0), (0.7, 2), (1.569, 2), (1.573, 1)],
 )
-def test_the_leading_grip_enters_the_platform_first(angle, first):
+@pytest.mark.parametrize("edge", [0.0125, 0.51])  # [m] where the platform begins
+def test_the_leading_grip_enters_the_platform_first(angle, first, edge):
     table = make_trials(pairs=1, trials=1).assign(theta=angle)  # moves along x from 0 to about 1 m
     table = trials.checked_trials(table)
-    platform = Box(center=(2.6, 0.0), size=(2.0, 6.0))
+    platform = Box(center=(edge + 1.0, 0.0), size=(2.0, 6.0))
     assert (trials.first_to_enter(table, platform) == first).all()
 
 
@@ -94,6 +99,40 @@ def test_nobody_enters_a_platform_far_away_and_a_turned_one_is_met_askew():
     assert (trials.first_to_enter(table, Box(center=(9.0, 9.0), size=(1.0, 1.0))) == 0).all()
     thin = Box(center=(1.5, 0.0), size=(8.0, 0.2), angle=np.pi / 2)  # a gate across the way
     assert (trials.first_to_enter(table, thin) == 2).all()
+
+
+def test_grips_that_enter_between_the_same_two_samples_are_told_apart():
+    path = np.array([[(0.5, 0.0), (0.8, 0.2)], [(1.1, 0.0), (1.1, 0.2)]])  # after 5/6 and 2/3
+    assert trials.entered_first(path, PLATFORM) == 2
+    assert trials.entered_first(path[:, ::-1], PLATFORM) == 1
+
+
+def test_a_grip_that_comes_in_past_a_corner_is_inside_once_it_is_behind_both_edges():
+    past_corner = [(0.6, -1.2), (1.4, -0.8)]  # behind x = 1 and behind y = −1 after a half
+    path = np.array([[past_corner[0], (0.4, 0.0)], [past_corner[1], (1.4, 0.0)]])  # and after 3/5
+    assert trials.entered_first(path, PLATFORM) == 1
+
+
+def test_grips_that_enter_at_the_same_instant_are_neither_of_them_first():
+    level = np.array([[(0.5, -0.9), (0.5, 0.9)], [(1.5, -0.9), (1.5, 0.9)]])
+    assert trials.entered_first(level, PLATFORM) == 0
+    faster = np.array([[(0.0, -0.9), (0.5, 0.9)], [(2.0, -0.9), (1.5, 0.9)]])  # both after a half
+    assert trials.entered_first(faster, PLATFORM) == 0
+    assert trials.entered_first(level[1:], PLATFORM) == 0  # there from the start
+
+
+def test_a_start_on_the_platform_counts_as_an_entry_and_leaving_again_changes_nothing():
+    path = np.array([[(2.0, 0), (0, 0)], [(0, 0), (2.0, 0)], [(0, 0), (2.0, 0)]])
+    assert trials.entered_first(path, PLATFORM) == 1
+
+
+@pytest.mark.parametrize("every", [1, 7, 50])
+def test_who_is_first_does_not_depend_on_the_rate_of_the_recording(every):
+    time = np.arange(0.0, 3.0, 0.001)  # 1 kHz, 143 Hz, 20 Hz
+    angles = np.pi / 2 + np.array([0.02, -0.02, 0.001, -0.001])
+    pose = np.stack(np.broadcast_arrays(0.7 * time[:, None], 0.0, angles), axis=-1)
+    path = trials.grips_in_world(pose, np.array([(-0.9, 0.0), (0.9, 0.0)]))
+    assert trials.entered_first(path[::every], PLATFORM).tolist() == [1, 2, 1, 2]
 
 
 @pytest.mark.parametrize(
