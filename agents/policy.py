@@ -1,10 +1,12 @@
-"""What acts: observations and the last transition in, actions out, many worlds at once."""
+"""Policies: observations and the last transition in, actions of many worlds out; a random one."""
 
 from typing import Protocol, runtime_checkable
 
+import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.config import ACTIONS, TransportConfig
 from coopenv.transition import Transition
 
 
@@ -40,3 +42,23 @@ def forget(policy: Policy, mask: BoolArray) -> None:
     """Tell a policy that new episodes begin in the marked worlds, if it wants to know."""
     if isinstance(policy, Resettable):
         policy.reset(mask)
+
+
+class RandomPolicy:
+    """Uniform actions, independent in every step.
+
+    Parameters
+    ----------
+    config
+        Of the environment it acts in.
+    seed
+        Of its own generator.
+    """
+
+    def __init__(self, config: TransportConfig, seed: int = 0):
+        self._generator = np.random.default_rng(seed)
+        self._width = ACTIONS[config.action]
+
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
+        """Actions ``(world, agent, action_size)``."""
+        return self._generator.uniform(-1.0, 1.0, (*obs.shape[:2], self._width))

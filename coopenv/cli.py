@@ -50,8 +50,7 @@ class Train:
         """Train, evaluate, draw."""
         from rich.console import Console
 
-        from coopenv.agents.controllers import find_controller
-        from coopenv.agents.controllers.impedance import RandomPolicy
+        from coopenv.agents.controllers import RandomPolicy, find_controller
         from coopenv.agents.evaluate import compare, save, table
         from coopenv.agents.train import train
 
@@ -188,8 +187,7 @@ def _read(arguments: Sequence[str] | None) -> Command:
 
 def find_policy(name: str, config: TransportConfig) -> "Policy":
     """The policy of that name for an environment: a kind of scripted one, or a trained file."""
-    from coopenv.agents.controllers import find_controller
-    from coopenv.agents.controllers.impedance import RandomPolicy
+    from coopenv.agents.controllers import RandomPolicy, find_controller
 
     kind, _, allocation = name.partition(":")
     if kind == "scripted":

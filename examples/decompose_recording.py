@@ -9,7 +9,7 @@ import numpy as np
 
 import coopenv
 from coopenv import logs
-from coopenv.agents.controllers.impedance import ImpedanceController, RandomPolicy
+from coopenv.agents.controllers import ImpedanceController, RandomPolicy
 
 core = coopenv.Transport(num_worlds=1)
 leader, partner = ImpedanceController(core.config), RandomPolicy(core.config, seed=1)

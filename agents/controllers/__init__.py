@@ -6,9 +6,9 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.tasks import DoorwayTask, RollingTask, TrackingTask
 
-from ..policy import Policy
+from ..policy import Policy, RandomPolicy
 from .doorway import DoorwayController
-from .impedance import Gains, ImpedanceController, RandomPolicy, approach, wrapped
+from .impedance import Gains, ImpedanceController, approach, wrapped
 from .tracking import TrackingController
 from .walker import WalkerController
 

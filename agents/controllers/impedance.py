@@ -1,4 +1,4 @@
-"""Scripted policies: an impedance controller with load allocation, and a random one."""
+"""Impedance control of the object towards its goal, its wrench shared by an allocation."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from coopenv.wrench.methods.pseudoinverse import ALLOCATIONS
 
 from .guidance import Gains, gains_row, wanted_twists
 
-__all__ = ["Gains", "ImpedanceController", "RandomPolicy", "approach", "wrapped"]
+__all__ = ["Gains", "ImpedanceController", "approach", "wrapped"]
 
 _TORQUE_FREE = 1e-9  # [kg·m²] virtual inertia that leaves all torque to the forces' levers
 
@@ -129,23 +129,3 @@ def approach(
         How briskly.
     """
     return wanted_twists(gains_row(gains), pose, goal, outline, low, high)
-
-
-class RandomPolicy:
-    """Uniform actions, independent in every step.
-
-    Parameters
-    ----------
-    config
-        Of the environment it acts in.
-    seed
-        Of its own generator.
-    """
-
-    def __init__(self, config: TransportConfig, seed: int = 0):
-        self._generator = np.random.default_rng(seed)
-        self._width = ACTIONS[config.action]
-
-    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, agent, action_size)``."""
-        return self._generator.uniform(-1.0, 1.0, (*obs.shape[:2], self._width))

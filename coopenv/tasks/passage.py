@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.compiled import compiled
-from coopenv.geometry.frames import rotated_back, turn_between
+from coopenv.geometry.frames import rotated, rotated_back, turn_between
 from coopenv.physics.body import Points
 
 # What a layout is, one row a world; the passage leads along x.

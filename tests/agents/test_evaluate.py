@@ -9,7 +9,7 @@ import pytest
 
 from coopenv import Transport, TransportConfig
 from coopenv.agents import evaluate as module
-from coopenv.agents.controllers.impedance import ImpedanceController, RandomPolicy
+from coopenv.agents.controllers import ImpedanceController, RandomPolicy
 from coopenv.agents.evaluate import (
     compare,
     evaluate,

@@ -1,10 +1,10 @@
-"""Scripted policies: they arrive, without squeezing, within their limits."""
+"""Impedance control: the object arrives, without squeezing, within the agents' limits."""
 
 import numpy as np
 import pytest
 
 from coopenv import Body, Scene, Transport, TransportConfig
-from coopenv.agents.controllers.impedance import Gains, ImpedanceController, RandomPolicy
+from coopenv.agents.controllers import Gains, ImpedanceController
 from coopenv.agents.evaluate import evaluate, run_episodes
 from coopenv.errors import UnknownName
 from coopenv.wrench import Settings
@@ -126,15 +126,3 @@ def test_it_keeps_off_the_walls():
 def test_an_unknown_allocation_is_refused():
     with pytest.raises(UnknownName, match="moore_penrose"):
         ImpedanceController(TransportConfig(), method="moore")
-
-
-def test_the_random_policy_does_not_arrive_and_repeats_with_its_seed():
-    config = TransportConfig()
-    assert evaluate(RandomPolicy(config), config, episodes=500).success_rate < 0.05
-    core = Transport(num_worlds=50, config=config)
-    obs, _ = core.reset(seed=0)
-    first = RandomPolicy(config, seed=3)(obs, last(core))
-    np.testing.assert_array_equal(first, RandomPolicy(config, seed=3)(obs, last(core)))
-    assert (first != RandomPolicy(config, seed=4)(obs, last(core))).all()
-    assert first.shape == (50, 2, 3)
-    assert -1 <= first.min() < -0.9 < 0.9 < first.max() <= 1
