@@ -2,9 +2,11 @@
 
 from dataclasses import astuple, dataclass
 from math import cos, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
+from coopenv.arrays import FloatArray
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back, wrapped
 
@@ -33,6 +35,14 @@ def gains_row(gains: Gains) -> tuple[float, ...]:
     return tuple(map(float, astuple(gains)))
 
 
+class Outline(NamedTuple):
+    """The outline of one object among those of all worlds."""
+
+    corners: FloatArray  # (world, vertex, 2), object frame [m]
+    world: int
+    reach: float  # [m] from the object's origin to its farthest vertex
+
+
 @inlined
 def triple(rows, k):
     """Row ``k`` of three numbers; a view of it would cost more than all that is done with it."""
@@ -40,7 +50,7 @@ def triple(rows, k):
 
 
 @inlined
-def object_wrench(gains, pose, twist, goal, load, size, outlines, k, reach):
+def object_wrench(gains, pose, twist, goal, load, size, outline):
     """Wrench (fx, fy, t) [N, N·m] that an object needs on its way to ``goal``, object frame.
 
     Parameters
@@ -53,17 +63,14 @@ def object_wrench(gains, pose, twist, goal, load, size, outlines, k, reach):
         Mass, inertia, linear and angular drag of the object.
     size
         Two, of the room [m].
-    outlines, k
-        ``(world, vertex, 2)``, object frame [m], and which of the worlds this is.
-    reach
-        From the object's origin to its farthest vertex [m].
+    outline
+        Of the object, an `Outline`.
     """
     mass, inertia, linear_drag, angular_drag = load
     half_x, half_y, damping = size[0] / 2, size[1] / 2, gains[1]
     c, s = cos(pose[2]), sin(pose[2])
-    vx, vy, omega = _wanted_twist(
-        gains, pose, (c, s), goal, (-half_x, half_x, -half_y, half_y), outlines, k, reach
-    )
+    free = (-half_x, half_x, -half_y, half_y)
+    vx, vy, omega = _wanted_twist(gains, pose, (c, s), goal, free, outline)
     fx = mass * damping * (vx - twist[0]) + linear_drag * twist[0]
     fy = mass * damping * (vy - twist[1]) + linear_drag * twist[1]
     torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
@@ -82,25 +89,22 @@ def wanted_twists(gains, pose, goal, outline, low, high):
         reach = 0.0
         for v in range(outline.shape[1]):
             reach = max(reach, np.hypot(outline[k, v, 0], outline[k, v, 1]))
-        axis, free = (
-            (cos(pose[k, 2]), sin(pose[k, 2])),
-            (low[k, 0], high[k, 0], low[k, 1], high[k, 1]),
-        )
-        wanted[k] = _wanted_twist(
-            gains, triple(pose, k), axis, triple(goal, k), free, outline, k, reach
-        )
+        axis = (cos(pose[k, 2]), sin(pose[k, 2]))
+        free = (low[k, 0], high[k, 0], low[k, 1], high[k, 1])
+        shape = Outline(outline, k, reach)
+        wanted[k] = _wanted_twist(gains, triple(pose, k), axis, triple(goal, k), free, shape)
     return wanted
 
 
 @inlined
-def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):
+def _wanted_twist(gains, pose, axis, goal, free, outline):
     """The twist of one object; ``free`` are the edges (low x, high x, low y, high y) [m]."""
     approach, _, speed, spin, margin, look_ahead = gains
     turn = goal[2] - pose[2]
     if not -pi < turn <= pi:
         turn = wrapped(turn)
     low_x, high_x, low_y, high_y = _free_box(
-        margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach
+        margin, look_ahead, turn, pose, axis, goal, free, outline
     )
     free_x = min(max(pose[0], low_x), high_x) - pose[0]
     free_y = min(max(pose[1], low_y), high_y) - pose[1]
@@ -113,8 +117,9 @@ def _wanted_twist(gains, pose, axis, goal, free, outlines, k, reach):
 
 
 @compiled
-def _free_box(margin, look_ahead, turn, pose, axis, goal, free, outlines, k, reach):
+def _free_box(margin, look_ahead, turn, pose, axis, goal, free, outline):
     """Where the centre may be so that the object keeps to the rectangle during the coming turn."""
+    corners, k, reach = outline
     low_x, high_x, low_y, high_y = free
     low_x, high_x, low_y, high_y = low_x + margin, high_x - margin, low_y + margin, high_y - margin
     if (
@@ -129,8 +134,8 @@ def _free_box(margin, look_ahead, turn, pose, axis, goal, free, outlines, k, rea
     c_step, s_step = cos(ahead / (LOOKS - 1)), sin(ahead / (LOOKS - 1))
     left = right = down = up = 0.0
     for look in range(LOOKS):
-        for v in range(outlines.shape[1]):
-            x, y = rotated(c, s, outlines[k, v, 0], outlines[k, v, 1])
+        for v in range(corners.shape[1]):
+            x, y = rotated(c, s, corners[k, v, 0], corners[k, v, 1])
             if look == 0 and v == 0:
                 left, right, down, up = x, x, y, y
             left, right, down, up = min(left, x), max(right, x), min(down, y), max(up, y)

@@ -1,6 +1,7 @@
 """Scripted policies for a walker: the human pushes, the drive turns it and brakes at obstacles."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -157,10 +158,11 @@ class WalkerController:
         load, room = conditions.load, conditions.room
         radius = np.linalg.norm(load.outline, axis=2).max(axis=1) + gains.margin
         stop, way = next_stops(state.pose, state.goal, room.boxes, room.count, room.size, radius)
-        wanted = _wanted(
-            state.pose, state.goal, stop, way[:, 0], gains.approach, gains.speed, gains.braking,
-            gains.heading, gains.arrival, self._spins(transition), gains.near,
-        )  # fmt: skip
+        leading = _Leading(
+            gains.approach, gains.speed, gains.braking, gains.heading, gains.arrival, gains.near
+        )
+        spins = self._spins(transition)
+        wanted = _wanted(state.pose, state.goal, stop, way[:, 0], spins, leading)
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
         speed, spin = rotated_back(c, s, *state.twist[:, :2].T)[0], state.twist[:, 2]
         force = load.mass * gains.damping * (wanted[:, 0] - speed) + load.linear_drag * speed
@@ -188,9 +190,24 @@ def _damping(distance: FloatArray, reach: float) -> FloatArray:
     return np.where(distance < reach, (1 / clearance - 1 / reach) / clearance**2, 0.0)
 
 
+class _Leading(NamedTuple):
+    """The entries of `WalkerGains` that say where to and how fast."""
+
+    approach: float
+    speed: float
+    braking: float
+    heading: float
+    arrival: float
+    near: float
+
+
 @compiled
-def _wanted(pose, goal, stop, length, approach, speed, braking, heading, arrival, spin, near):
-    """Forward speed and spin to lead with, ``(world, 2)`` [m/s, rad/s]; see `WalkerGains`."""
+def _wanted(pose, goal, stop, length, spin, leading):
+    """Forward speed and spin to lead with, ``(world, 2)`` [m/s, rad/s]; ``spin`` at most.
+
+    ``length`` is the way round obstacles that is left to the goal, ``(world,)`` [m].
+    """
+    approach, speed, braking, heading, arrival, near = leading
     wanted = np.empty((len(pose), 2))
     for k in range(len(pose)):
         dx, dy, angle = stop[k, 0] - pose[k, 0], stop[k, 1] - pose[k, 1], pose[k, 2]

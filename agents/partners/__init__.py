@@ -2,19 +2,9 @@
 
 from coopenv.errors import UnknownName
 
-from .kinds import (
-    Follower,
-    Impedance,
-    Kind,
-    Lagging,
-    Leader,
-    LoadSharing,
-    Noisy,
-    Population,
-    Stubborn,
-    Switching,
-)
-from .person import Person
+from .combined import Lagging, Noisy, Population, Switching
+from .kinds import Follower, Impedance, Leader, LoadSharing, Stubborn
+from .person import Kind, Person
 
 __all__ = [
     "DEFAULT",

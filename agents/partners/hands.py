@@ -1,14 +1,16 @@
-"""What the hands of every scripted partner do in a step, all worlds in one compiled pass."""
+"""The step of scripted partners, compiled: what they feel, want and give in every world."""
 
 from math import cos, exp, sin
+from typing import NamedTuple
 
 import numpy as np
 
-from coopenv.chance import fraction, mixed, polar_normal
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.chance import Keys, fraction, mixed, polar_normal
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
 
-from ..controllers.guidance import object_wrench, triple
+from ..controllers.guidance import Outline, object_wrench, triple
 from .traits import (
     AWAY_TURN,
     AWAY_X,
@@ -31,96 +33,85 @@ from .traits import (
 _SWITCH, _NOISE = np.uint64(0), np.uint64(1)  # which of a step's random numbers
 
 
+class Mind(NamedTuple):
+    """What a player keeps of the episodes under way; all but traits and keys change in a step."""
+
+    traits: FloatArray  # (world, 2, NUM_TRAITS)
+    keys: Keys  # (world,) of the episode's random numbers
+    now: IntArray  # (world,) which of the two rows of traits holds
+    steps: IntArray  # (world,) since the episode began
+    wanted_twist: FloatArray  # (world, 3) the motion a follower wants, world frame [m/s, rad/s]
+    given: FloatArray  # (world, delay + 1, driven, 3) its last wrenches, object frame [N, N·m]
+
+
 @compiled
-def act(
-    traits,
-    keys,
-    now,
-    steps,
-    wanted_twist,
-    memory,
-    pose,
-    twist,
-    twist_before,
-    goal,
-    applied,
-    mass,
-    inertia,
-    linear_drag,
-    angular_drag,
-    outline,
-    size,
-    reach,
-    grips,
-    frame,
-    limits,
-    allocation,
-    driven,
-    dt,
-):
-    """Wrenches ``(world, driven, 3)`` [N, N·m], object frame; the partner's memory moves on.
+def act(mind, seen, carried, team, dt):
+    """Wrenches ``(world, driven, 3)`` [N, N·m], object frame; the player's mind moves on.
+
+    All but ``dt`` are plain tuples, which numba recognises faster than named ones; in a small batch
+    that is most of a call.
 
     Parameters
     ----------
-    traits
-        ``(world, 2, NUM_TRAITS)``.
-    keys
-        ``(world,)`` of the episode's random numbers.
-    now, steps
-        ``(world,)``, changed: which row of traits holds, and steps since the episode began.
-    wanted_twist
-        ``(world, 3)``, changed: the motion a follower wants, world frame.
-    memory
-        ``(world, delay + 1, driven, 3)``, changed: its last wrenches.
-    pose, twist, twist_before, goal
-        ``(world, 3)``, world frame.
-    applied
-        ``(world, agent, 3)`` in the last step.
-    mass, …, reach
-        Of the objects and rooms.
-    grips, frame, limits
-        ``(world, agent, 2)``.
-    allocation
-        ``(world, agent, 3, 3)``: each agent's part of an object wrench.
-    driven
-        Numbers of the agents that are driven.
+    mind
+        The fields of `Mind`.
+    seen
+        ``pose``, ``twist``, ``twist_before`` (at the last step's begin) and ``goal``,
+        ``(world, 3)`` each, world frame; ``applied`` ``(world, agent, 3)`` in the last step,
+        object frame [N, N·m].
+    carried
+        ``mass``, ``inertia``, ``linear_drag``, ``angular_drag`` and ``outline`` as in
+        `coopenv.conditions.Load`; ``reach`` ``(world,)`` [m] from the object's origin to its
+        farthest vertex; ``room`` ``(world, 2)`` [m], inner width and height.
+    team
+        ``grips``, ``frame`` and ``limits`` as in `coopenv.conditions.Team`; ``allocation``
+        ``(world, agent, 3, 3)``, each agent's part of an object wrench; ``driven`` ``(driven,)``,
+        numbers of the agents that are driven.
     dt
         Control step [s].
     """
+    # Taken apart once: a field that is read inside the loop costs a count of references each time
+    traits, keys, now, steps, wanted_twist, given = mind
+    pose, twist, twist_before, goal, applied = seen
+    mass, inertia, linear_drag, angular_drag, outline, reach, room = carried
+    grips, frame, limits, allocation, driven = team
     out, parts = np.empty((len(traits), len(driven), 3)), np.empty((grips.shape[1], 3))
     for k in range(len(traits)):
         draw = mixed(keys[k], np.uint64(steps[k]))
         now[k] = n = _row(traits, k, now[k], steps[k], draw, dt)
-        role = traits[k, n, ROLE]
+        role, slot = traits[k, n, ROLE], steps[k] % given.shape[1]
         load = (mass[k], inertia[k], linear_drag[k], angular_drag[k])
-        here, moving = triple(pose, k), triple(twist, k)
+        here, moving, before = triple(pose, k), triple(twist, k), triple(twist_before, k)
+
+        # What the object is to be given
+        wanted = moving
         if role == PLANS:
             wrench = object_wrench(
-                _gains(traits, k, n), here, moving, _plan(traits, k, n, goal),
-                load, (size[k, 0], size[k, 1]), outline, k, reach[k],
+                _gains(traits, k, n), here, moving, _plan(traits, k, n, goal), load,
+                (room[k, 0], room[k, 1]), Outline(outline, k, reach[k]),
             )  # fmt: skip
             wrench = _scaled(wrench, traits[k, n, STRENGTH])
         else:
-            before = triple(twist_before, k)
-            wrench = _felt(here, moving, before, applied, grips, k, driven, load, dt)
+            wrench = _felt((here, moving, before), load, applied, grips, driven, k, dt)
         if role == FOLLOWS:
             tastes = (traits[k, n, HEAVINESS], traits[k, n, EAGERNESS])
             wanted, wrench = _follow(
                 tastes, wrench, here, moving, triple(wanted_twist, k), load, dt
             )
-        else:
-            wanted = moving
         wanted_twist[k, 0], wanted_twist[k, 1], wanted_twist[k, 2] = wanted
-        slot = steps[k] % memory.shape[1]
+
+        # This partner's part of it
         if role == SHARES:
             share = traits[k, n, SHARE]
-            _carry(
-                _scaled(wrench, share / (1 - share) / len(driven)), grips, driven, memory, k, slot
-            )
+            each = _scaled(wrench, share / (1 - share) / len(driven))
+            _carry(each, grips, driven, given, k, slot)
         else:
-            _give_part(wrench, allocation, frame, limits, driven, parts, memory, k, slot)
-        _shake(traits[k, n, FORCE_NOISE], traits[k, n, TORQUE_NOISE], draw, memory, k, slot)
-        _recall(memory, k, steps[k], int(traits[k, n, DELAY]), out)
+            largest = _part(wrench, allocation, frame, limits, parts, k)
+            _give(parts, largest, driven, given, k, slot)
+
+        # An unsteady hand, and a late one
+        _shake(traits[k, n, FORCE_NOISE], traits[k, n, TORQUE_NOISE], draw, given, k, slot)
+        _recall(given, k, steps[k], int(traits[k, n, DELAY]), out)
         steps[k] += 1
     return out
 
@@ -161,8 +152,12 @@ def _scaled(wrench, factor):
 
 
 @inlined
-def _felt(pose, twist, before, applied, grips, k, driven, load, dt):
-    """What moved the object in the last step beside this partner, object frame: M v̇ + D v − h."""
+def _felt(motion, load, applied, grips, driven, k, dt):
+    """What moved the object in the last step beside this partner, object frame: M v̇ + D v − h.
+
+    ``motion`` is its pose and twist, and its twist at the step's begin.
+    """
+    pose, twist, before = motion
     mass, inertia, linear_drag, angular_drag = load
     wx = mass * (twist[0] - before[0]) / dt + linear_drag * (twist[0] + before[0]) / 2
     wy = mass * (twist[1] - before[1]) / dt + linear_drag * (twist[1] + before[1]) / 2
@@ -204,11 +199,11 @@ def _response(weight, drag, dt):
 
 
 @inlined
-def _give_part(wrench, allocation, frame, limits, driven, parts, memory, k, slot):
-    """The driven agents' parts of an object wrench, scaled down where anybody's limit is met.
+def _part(wrench, allocation, frame, limits, parts, k):
+    """Every agent's part of an object wrench into ``parts``, and how far one exceeds a limit.
 
     Like `ImpedanceController`, it presumes that the others do their parts and have limits too, so
-    that equal plans make equal wrenches.
+    that equal plans make equal wrenches. What exceeds no limit gives 1.
     """
     x, y, torque = wrench
     largest = 1.0
@@ -222,38 +217,45 @@ def _give_part(wrench, allocation, frame, limits, driven, parts, memory, k, slot
         along, across = rotated_back(frame[k, i, 0], frame[k, i, 1], parts[i, 0], parts[i, 1])
         largest = max(largest, max(abs(along), abs(across)) / limits[k, i, 0])
         largest = max(largest, abs(parts[i, 2]) / limits[k, i, 1])
-    for number in range(len(driven)):
-        for j in range(3):
-            memory[k, slot, number, j] = parts[driven[number], j] / largest
+    return largest
 
 
 @inlined
-def _carry(wrench, grips, driven, memory, k, slot):
+def _give(parts, largest, driven, given, k, slot):
+    """Give the driven agents' parts, all of them scaled down where anybody's limit is met."""
+    for number in range(len(driven)):
+        for j in range(3):
+            given[k, slot, number, j] = parts[driven[number], j] / largest
+
+
+@inlined
+def _carry(wrench, grips, driven, given, k, slot):
     """Give each driven agent this wrench at the centre of mass, moved to its grip."""
     x, y, torque = wrench
     for number in range(len(driven)):
         i = driven[number]
-        memory[k, slot, number, 0], memory[k, slot, number, 1] = x, y
-        memory[k, slot, number, 2] = torque - (grips[k, i, 0] * y - grips[k, i, 1] * x)
+        given[k, slot, number, 0], given[k, slot, number, 1] = x, y
+        given[k, slot, number, 2] = torque - (grips[k, i, 0] * y - grips[k, i, 1] * x)
 
 
 @inlined
-def _shake(force, torque, draw, memory, k, slot):
+def _shake(force, torque, draw, given, k, slot):
     """Add the noise of an unsteady hand, of these standard deviations [N], [N·m]."""
     if force == 0 and torque == 0:
         return
     noise = mixed(draw, _NOISE)
-    for number in range(memory.shape[2]):
+    for number in range(given.shape[2]):
         for j in range(3):
             spread = force if j < 2 else torque
-            key = mixed(noise, np.uint64(3 * number + j))
-            memory[k, slot, number, j] += spread * polar_normal(key)
+            given[k, slot, number, j] += spread * polar_normal(
+                mixed(noise, np.uint64(3 * number + j))
+            )
 
 
 @inlined
-def _recall(memory, k, step, delay, out):
+def _recall(given, k, step, delay, out):
     """What was right ``delay`` steps ago, nothing before the episode began."""
-    then, begun = (step - delay) % memory.shape[1], step >= delay
-    for number in range(memory.shape[2]):
+    then, begun = (step - delay) % given.shape[1], step >= delay
+    for number in range(given.shape[2]):
         for j in range(3):
-            out[k, number, j] = memory[k, then, number, j] if begun else 0.0
+            out[k, number, j] = given[k, then, number, j] if begun else 0.0

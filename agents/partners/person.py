@@ -1,4 +1,6 @@
-"""The player behind every scripted partner."""
+"""Scripted partners: what describes a kind of them, and the player that all kinds share."""
+
+from abc import ABC, abstractmethod
 
 import numpy as np
 
@@ -12,10 +14,28 @@ from coopenv.transition import Transition
 from coopenv.wrench.grasp import grasp_matrix
 
 from . import traits
-from .hands import act
-from .kinds import Kind
+from .hands import Mind, act
 
 _AWAY = slice(traits.AWAY_X, traits.AWAY_TURN + 1)
+
+
+class Kind(ABC):
+    """A partner that `Person` plays; subclass it only for other traits of the same model."""
+
+    __slots__ = ()
+
+    def player(self, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]) -> "Person":
+        """Somebody of this kind; see `coopenv.partner.Partner`."""
+        return Person(self, config, num_worlds, agents)
+
+    @property
+    def longest_delay(self) -> int:
+        """The most control steps by which it lags."""
+        return 0
+
+    @abstractmethod
+    def traits(self, chance: Chance) -> FloatArray:
+        """What it is like in each episode that ``chance`` draws, ``(episode, 2, NUM_TRAITS)``."""
 
 
 class Person:
@@ -38,13 +58,15 @@ class Person:
     ):
         self.what, self._dt = what, config.dt
         self._width, self._driven = ACTIONS[config.action], np.array(agents)
-        self._traits = np.zeros((num_worlds, 2, traits.NUM_TRAITS))
+        self._mind = Mind(
+            traits=np.zeros((num_worlds, 2, traits.NUM_TRAITS)),
+            keys=np.zeros(num_worlds, dtype=np.uint64),
+            now=np.zeros(num_worlds, dtype=np.int64),
+            steps=np.zeros(num_worlds, dtype=np.int64),
+            wanted_twist=np.zeros((num_worlds, 3)),
+            given=np.zeros((num_worlds, what.longest_delay + 1, len(agents), 3)),
+        )
         self._kind = np.zeros(num_worlds, dtype=np.int64)
-        self._keys = np.zeros(num_worlds, dtype=np.uint64)
-        self._now = np.zeros(num_worlds, dtype=np.int64)
-        self._steps = np.zeros(num_worlds, dtype=np.int64)
-        self._wanted_twist = np.zeros((num_worlds, 3))
-        self._memory = np.zeros((num_worlds, what.longest_delay + 1, len(agents), 3))
         self._grips = np.full((num_worlds, config.num_agents, 2), np.nan)
         self._allocation = np.zeros((num_worlds, config.num_agents, 3, 3))
         self._reach = np.zeros(num_worlds)
@@ -60,10 +82,11 @@ class Person:
         rows = self.what.traits(Chance(keys))
         for now in range(2):
             rows[:, now, _AWAY] = _inside(rows[:, now, _AWAY], start)
-        self._traits[worlds], self._keys[worlds] = rows, keys
-        self._kind = self._traits[:, 0, traits.KIND].astype(np.int64)  # others may keep the old one
-        self._now[worlds], self._steps[worlds], self._wanted_twist[worlds] = 0, 0, 0
-        self._memory[worlds] = 0
+        mind = self._mind
+        mind.traits[worlds], mind.keys[worlds] = rows, keys
+        mind.now[worlds], mind.steps[worlds], mind.wanted_twist[worlds] = 0, 0, 0
+        mind.given[worlds] = 0
+        self._kind = mind.traits[:, 0, traits.KIND].astype(np.int64)  # others may keep the old one
         self._reach[worlds] = np.hypot(*np.moveaxis(start.conditions.load.outline, -1, 0)).max(1)
         grips = start.team.grips
         if not np.array_equal(self._grips[worlds], grips):
@@ -75,16 +98,19 @@ class Person:
         state, team = transition.next_state, transition.team
         load, room = transition.conditions.load, transition.conditions.room
         return act(
-            self._traits, self._keys, self._now, self._steps, self._wanted_twist, self._memory,
-            state.pose, state.twist, transition.state.twist, state.goal, transition.applied,
-            load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,
-            room.size, self._reach,
-            team.grips, team.frame, team.limits, self._allocation, self._driven, self._dt,
+            tuple(self._mind),
+            (state.pose, state.twist, transition.state.twist, state.goal, transition.applied),
+            (
+                load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,
+                self._reach, room.size,
+            ),
+            (team.grips, team.frame, team.limits, self._allocation, self._driven),
+            self._dt,
         )  # fmt: skip
 
     def plan(self, transition: Transition) -> FloatArray:
         """Poses ``(world, 3)`` it wants the object to reach; NaN where it follows."""
-        return _plans(self._traits, self._now, transition.next_state.goal)
+        return _plans(self._mind.traits, self._mind.now, transition.next_state.goal)
 
 
 @compiled

@@ -16,10 +16,9 @@ from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 
 from ...controllers.doorway import DoorwayController
-from ...controllers.guidance import gains_row
-from ...controllers.impedance import Gains
-from ...partners import Person, traits
-from ...partners.kinds import Kind
+from ...controllers.guidance import Gains, gains_row
+from ...partners import traits
+from ...partners.person import Kind, Person
 
 Span = tuple[float, float]
 PACE = Gains(approach=2.0, speed=0.7, spin=1.0)  # of the way; each person scales it by own gains

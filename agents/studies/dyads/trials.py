@@ -23,7 +23,7 @@ import pandas as pd
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import InvalidInput
-from coopenv.geometry.frames import seen_from
+from coopenv.geometry.frames import placed, seen_from
 from coopenv.physics.scene import Box
 
 from ..tables import Table
@@ -179,9 +179,8 @@ def grips_in_world(pose: FloatArray, grips: FloatArray) -> FloatArray:
     The leading dimensions of both are broadcast against each other.
     """
     c, s = np.cos(pose[..., None, 2]), np.sin(pose[..., None, 2])
-    x = c * grips[..., 0] - s * grips[..., 1] + pose[..., None, 0]
-    y = s * grips[..., 0] + c * grips[..., 1] + pose[..., None, 1]
-    return np.stack([x, y], axis=-1)
+    at = placed(pose[..., None, 0], pose[..., None, 1], c, s, grips[..., 0], grips[..., 1])
+    return np.stack(at, axis=-1)
 
 
 def applied_wrenches(trials: Table) -> FloatArray:

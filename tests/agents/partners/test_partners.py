@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coopenv import Body, Transport, TransportConfig, TransportTask
-from coopenv.agents.controllers.guidance import gains_row, object_wrench
+from coopenv.agents.controllers.guidance import Outline, gains_row, object_wrench
 from coopenv.agents.controllers.impedance import Gains, ImpedanceController
 from coopenv.agents.partners import (
     PARTNERS,
@@ -215,8 +215,8 @@ def test_a_lagging_partner_does_what_was_right_some_steps_ago():
     prompt: Any = config.partner.player(config, 4, (1,))  # pyright: ignore
     assert late.transition is not None
     prompt.reset(np.arange(4), [np.random.default_rng(0)] * 4, late.transition)
-    prompt._traits[:] = late._driven.player._traits  # pyright: ignore
-    prompt._traits[..., DELAY] = 0
+    prompt._mind.traits[:] = late._driven.player._mind.traits  # pyright: ignore
+    prompt._mind.traits[..., DELAY] = 0
     given, right = [], []
     for _ in range(12):
         right.append(prompt.act(late.transition))
@@ -346,7 +346,7 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
             weights = (load.mass[k], load.inertia[k], load.linear_drag[k], load.angular_drag[k])
             mine = object_wrench(
                 row, state.pose[k], state.twist[k], state.goal[k],
-                weights, size[k], load.outline, k, body.reach,
+                weights, size[k], Outline(load.outline, k, body.reach),
             )  # fmt: skip
             np.testing.assert_allclose(mine, wanted[k], rtol=1e-9, atol=1e-9)
 
