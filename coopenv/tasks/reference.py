@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array
-from coopenv.compiled import compiled
+from coopenv.compiled import compiled, inlined
 from coopenv.errors import InvalidInput
 
 COLUMNS = ("time", "x", "y", "theta")  # [s, m, m, rad]
@@ -157,12 +157,27 @@ def _table_motion(times, poses, rates, at):
     return out
 
 
+def minimum_jerk(s):
+    """Share of the way, its rate and second rate, at a fraction ``s`` in [0, 1] of the time.
+
+    10 s³ − 15 s⁴ + 6 s⁵, at rest at both ends (Flash & Hogan 1985). Rates are per duration and
+    duration². ``s`` is a number or an array.
+    """
+    return (
+        s * s * s * (10 + s * (-15 + 6 * s)),
+        30 * s * s * (1 + s * (-2 + s)),
+        60 * s * (1 + s * (-3 + 2 * s)),
+    )
+
+
+_minimum_jerk = inlined(minimum_jerk)
+
+
 @compiled
 def minimum_jerk_motion(plan, at, duration):
     """Pose, twist and acceleration ``(world, 9)`` on segments of equal time through way points.
 
-    Flash and Hogan (1985): 10 s³ − 15 s⁴ + 6 s⁵ of the way at the fraction s of a segment, at rest
-    at both ends.
+    Each segment is of minimum jerk, at rest at both ends; see `minimum_jerk`.
 
     Parameters
     ----------
@@ -180,9 +195,8 @@ def minimum_jerk_motion(plan, at, duration):
         within = min(max(at[k], 0.0), duration) / length
         j = min(int(within), count - 1)
         s = within - j
-        share = s * s * s * (10 + s * (-15 + 6 * s))
-        rate = 30 * s * s * (1 + s * (-2 + s)) / length
-        change = 60 * s * (1 + s * (-3 + 2 * s)) / length**2
+        share, rate, change = _minimum_jerk(s)
+        rate, change = rate / length, change / length**2
         for i in range(3):
             p = plan[k, 3 * j + i]
             way = plan[k, 3 * j + 3 + i] - p

@@ -5,7 +5,7 @@ import pytest
 
 from coopenv import Reference, TrackingTask
 from coopenv.errors import InvalidInput
-from coopenv.tasks.reference import minimum_jerk_motion
+from coopenv.tasks.reference import minimum_jerk, minimum_jerk_motion
 from tests.helpers import LOOP
 
 PLAN = np.array([[0.0, 0.0, 0.0, 1.0, 2.0, -1.0, 1.0, 0.0, 3.0]])  # two segments
@@ -33,6 +33,14 @@ def test_twist_and_acceleration_are_the_derivatives_of_the_pose(motion_at):
     times = np.random.default_rng(0).uniform(0.01, 3.99, 300)
     times = times[np.abs(times - 2.0) > 1e-3]  # a table's acceleration jumps at its rows
     np.testing.assert_allclose(motion_at(times)[:, 3:], derivatives(motion_at, times), atol=1e-6)
+
+
+def test_minimum_jerk_goes_from_rest_to_rest_and_its_rates_are_its_derivatives():
+    s = np.linspace(0, 1, 2001)
+    share, rate, change = minimum_jerk(s)
+    assert [share[0], share[-1], rate[0], rate[-1], change[0], change[-1]] == [0, 1, 0, 0, 0, 0]
+    np.testing.assert_allclose(np.gradient(share, s)[1:-1], rate[1:-1], atol=1e-5)
+    np.testing.assert_allclose(np.gradient(rate, s)[1:-1], change[1:-1], atol=1e-4)
 
 
 def test_minimum_jerk_rests_at_its_way_points_and_peaks_in_between():

@@ -23,6 +23,7 @@ from coopenv.geometry import frames
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks import TransportTask
+from coopenv.tasks.reference import minimum_jerk
 from coopenv.transport import Transport
 from coopenv.wrench import allocate
 
@@ -171,19 +172,6 @@ def share(
     applied[..., 0, 0] += shift
     applied[..., 1, 0] -= shift
     return applied
-
-
-def minimum_jerk(fraction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Way, its rate and second rate at a ``fraction`` of the duration; from rest to rest.
-
-    s = 10τ³ − 15τ⁴ + 6τ⁵ (Flash & Hogan 1985)
-    """
-    t = fraction
-    return (
-        t**3 * (10 - 15 * t + 6 * t**2),
-        30 * t**2 * (1 - t) ** 2,
-        60 * t * (1 - t) * (1 - 2 * t),
-    )
 
 
 class _Plan:

@@ -20,6 +20,7 @@ from coopenv.geometry import frames
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 from coopenv.tasks import RollingTask
+from coopenv.tasks.reference import minimum_jerk
 from coopenv.transition import State, Transition
 from coopenv.transport import Transport
 
@@ -89,12 +90,12 @@ class RollingPlan:
 
     def rolled(self, time: FloatArray) -> FloatArray:
         """Way, speed and acceleration along the path, ``(..., 3)`` [m, m/s, m/s²]."""
-        return self.length * _minimum_jerk(time, self.duration)
+        return self.length * _rest_to_rest(time, self.duration)
 
     def turned(self, time: FloatArray) -> FloatArray:
         """Heading and its two rates, ``(..., 3)`` [rad, rad/s, rad/s²]."""
         begin, end = np.multiply(self.turning, self.duration)
-        return self.turn * _minimum_jerk(time - begin, end - begin)
+        return self.turn * _rest_to_rest(time - begin, end - begin)
 
     def poses(self, time: FloatArray) -> FloatArray:
         """Planned poses from (0, 0, 0) on, ``(step, 3)``, at ascending times that begin with 0."""
@@ -219,7 +220,7 @@ def _errors(
 
 def _recorded(config: TransportConfig, plan: RollingPlan, agents: _Agents) -> Recording:
     core = Transport(num_worlds=1, config=config)
-    time = config.dt * np.arange(config.horizon)
+    time = config.dt * np.arange(config.horizon, dtype=np.float64)
     planned = plan.poses(time)
     core.reset(pose=(0.0, 0.0, 0.0), goal=planned[-1])
     measure, rows = AvoidanceDrive(config), []
@@ -244,10 +245,8 @@ def _recorded(config: TransportConfig, plan: RollingPlan, agents: _Agents) -> Re
     )
 
 
-def _minimum_jerk(time: FloatArray, duration: float) -> FloatArray:
+def _rest_to_rest(time: FloatArray, duration: float) -> FloatArray:
     """From 0 to 1 in ``duration``: place and its two rates, ``(..., 3)``; at rest outside."""
-    x = np.clip(np.asarray(time, dtype=np.float64) / duration, 0.0, 1.0)
-    place = x**3 * (10 - 15 * x + 6 * x**2)
-    rate = 30 * x**2 * (1 - x) ** 2 / duration
-    change = 60 * x * (1 - x) * (1 - 2 * x) / duration**2
-    return np.stack([place, rate, change], axis=-1)
+    fraction = np.clip(np.asarray(time, dtype=np.float64) / duration, 0.0, 1.0)
+    place, rate, change = minimum_jerk(fraction)
+    return np.stack([place, rate / duration, change / duration**2], axis=-1)
