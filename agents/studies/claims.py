@@ -1,4 +1,4 @@
-"""What a study claims, what was measured, and whether the one bears out the other."""
+"""Claims of a paper checked by measured numbers, and tables of them and of other rows."""
 
 import csv
 import math
@@ -103,7 +103,7 @@ def number(value: float) -> str:
     return f"{value:.4g}"
 
 
-def table(claims: Sequence[Claim], title: str | None = None) -> "Table":
+def claim_table(claims: Sequence[Claim], title: str | None = None) -> "Table":
     """The claims as a rich table."""
     made = _empty_table(title)
     rows = [claim.row() for claim in claims]
@@ -133,7 +133,7 @@ def markdown(rows: Sequence[dict[str, str]]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def save(claims: Sequence[Claim], stem: str | os.PathLike) -> list[str]:
+def save_claims(claims: Sequence[Claim], stem: str | os.PathLike) -> list[str]:
     """Write ``stem``.md and ``stem``.csv; the names of the files."""
     return save_rows([claim.row() for claim in claims], stem)
 

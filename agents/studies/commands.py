@@ -1,5 +1,6 @@
 """``coopenv study <name>``: runs a study, prints its table, writes figures, tables and data."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,16 +9,13 @@ from coopenv.errors import MissingExtra
 from coopenv.physics.scene import Box
 
 from .beam.simulation import BeamConfig
+from .claims import Claim, claim_table, plain_table
 from .dyads.config import DyadsConfig
-from .walker import simulations as walker_simulations
+from .tables import Table
+from .walker import simulations
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from rich.console import Console
-
-    from .claims import Claim
-    from .tables import Table
 
 try:
     import tyro
@@ -38,13 +36,13 @@ class Beam:
     def run(self) -> None:
         """Simulate, decompose, check, write."""
         console = _console()
-        from .beam import report as beam_report
-        from .beam import simulation as beam
+        from .beam.report import write
+        from .beam.simulation import simulate
 
         with console.status("carrying the beam"):
-            run = beam.simulate(self.simulation)
+            run = simulate(self.simulation)
         with console.status("decomposing and drawing"):
-            found, files = beam_report.write(run, self.out)
+            found, files = write(run, self.out)
         _print_claims(console, found, "beam: the claims of section V-C")
         _print_files(console, self.out, files)
 
@@ -53,19 +51,19 @@ class Beam:
 class WalkerTurn:
     """A walker, pushed by a human and turned by its drive (Figs. 9, 10)."""
 
-    simulation: walker_simulations.WalkerTurn = field(default_factory=walker_simulations.WalkerTurn)
+    simulation: simulations.WalkerTurn = field(default_factory=simulations.WalkerTurn)
     out: Path = Path("runs/study_walker_turn")
     """Folder for figures, tables and data."""
 
     def run(self) -> None:
         """Simulate, decompose, check, write."""
         console = _console()
-        from .walker import turn as walker_turn
+        from .walker.turn import write
 
         with console.status("turning the walker"):
             recording = self.simulation.run()
         with console.status("decomposing and drawing"):
-            found, files = walker_turn.write(self.simulation, recording, self.out)
+            found, files = write(self.simulation, recording, self.out)
         _print_claims(console, found, "walker-turn: the claims of section V-A")
         _print_files(console, self.out, files)
 
@@ -74,21 +72,19 @@ class WalkerTurn:
 class WalkerAvoid:
     """A walker whose drive holds it off an obstacle, against the human's plan (Fig. 11)."""
 
-    simulation: walker_simulations.WalkerAvoid = field(
-        default_factory=walker_simulations.WalkerAvoid
-    )
+    simulation: simulations.WalkerAvoid = field(default_factory=simulations.WalkerAvoid)
     out: Path = Path("runs/study_walker_avoid")
     """Folder for figures, tables and data."""
 
     def run(self) -> None:
         """Simulate, decompose, check, write."""
         console = _console()
-        from .walker import avoid as walker_avoid
+        from .walker.avoid import write
 
         with console.status("walking towards the obstacle"):
             recording = self.simulation.run()
         with console.status("decomposing and drawing"):
-            found, files = walker_avoid.write(self.simulation, recording, self.out)
+            found, files = write(self.simulation, recording, self.out)
         _print_claims(console, found, "walker-avoid: the claims of section V-A")
         _print_files(console, self.out, files)
 
@@ -117,32 +113,29 @@ class Dyads:
     def run(self) -> None:
         """Read or simulate, analyse, write."""
         console = _console()
-        from .dyads import analysis as dyads
-        from .dyads import report as dyads_report
-        from .dyads import simulation as dyads_simulation
+        from .dyads import report, simulation
+        from .dyads.analysis import analyse
 
         if self.files:
             table, source, made = self._recorded(), "recorded trials", []
         else:
             with console.status("simulating people"):
-                run = dyads_simulation.simulate(self.simulation)
-            made = dyads_simulation.save(run, self.out)
-            table, source = run.trials, dyads_simulation.SOURCE
-            _print_rows(
-                console, dyads_simulation.course_rows(run), "the trials of simulated people"
-            )
+                run = simulation.simulate(self.simulation)
+            made = simulation.save(run, self.out)
+            table, source = run.trials, simulation.SOURCE
+            _print_rows(console, simulation.course_rows(run), "the trials of simulated people")
         with console.status("analysing"):
-            analysis = dyads.analyse(table, window=self.window, source=source)
-            found, files = dyads_report.write(analysis, self.out)
+            analysis = analyse(table, window=self.window, source=source)
+            found, files = report.write(analysis, self.out)
         title = f"{source} beside the people of section VI"
-        _print_rows(console, dyads_report.comparison(analysis), title)
-        _print_rows(console, dyads_report.effect_rows(analysis), "repeated-measures ANOVA")
+        _print_rows(console, report.comparison(analysis), title)
+        _print_rows(console, report.effect_rows(analysis), "repeated-measures ANOVA")
         _print_claims(console, found, f"dyads: what was found in people, in {source}")
         for note in analysis.notes:
             console.print(f"note: {note}", markup=False, highlight=False)
         _print_files(console, self.out, [*files, *made])
 
-    def _recorded(self) -> "Table":
+    def _recorded(self) -> Table:
         from coopenv.logs import Layout
 
         from .dyads import reading, trials
@@ -166,20 +159,16 @@ def _console() -> "Console":
     return Console()
 
 
-def _print_claims(console: "Console", found: "Sequence[Claim]", title: str) -> None:
-    from .claims import table
-
-    console.print(table(found, title))
+def _print_claims(console: "Console", found: Sequence[Claim], title: str) -> None:
+    console.print(claim_table(found, title))
     failed = sum(not claim.holds for claim in found)
     console.print(f"{len(found) - failed} of {len(found)} hold")
 
 
-def _print_rows(console: "Console", rows: "Sequence[dict[str, str]]", title: str) -> None:
-    from .claims import plain_table
-
+def _print_rows(console: "Console", rows: Sequence[dict[str, str]], title: str) -> None:
     if rows:
         console.print(plain_table(rows, title))
 
 
-def _print_files(console: "Console", out: Path, files: "Sequence[str]") -> None:
+def _print_files(console: "Console", out: Path, files: Sequence[str]) -> None:
     console.print(f"in {out}: {', '.join(files)}", markup=False, highlight=False)

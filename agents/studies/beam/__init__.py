@@ -1,1 +1,1 @@
-"""Beam transport: the simulation of the paper's section V-B."""
+"""A beam carried without disagreement: the simulation of the paper's section V-C."""

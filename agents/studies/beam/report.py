@@ -1,33 +1,43 @@
 """Claims, figures and files of the beam study (Figs. 12 and 13)."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.files import written
 from coopenv.wrench import Decomposition, energy_share, load_share
 
-from .. import claims as claim_tables
-from ..claims import Claim
-from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS, Curve, Panel, Trial, draw_trials
-from ..methods import Look, decompose_by_methods, largest, smallest
+from .. import series
+from ..claims import Claim, save_claims
+from ..figures import (
+    DISAGREEMENT_PANELS,
+    MOTION_PANELS,
+    Curve,
+    Panel,
+    Trial,
+    curve,
+    draw_trials,
+    first,
+    second,
+)
+from ..methods import decompose_by_methods, largest, smallest
 from .simulation import MOTIONS, PAPER, SECTIONS, BeamRun, sections
 
 ZERO = 1e-9  # [N, N·m] what counts as zero; wrenches are about 1, rounding about 1e-16
 FIGURE = "Figs. 12-13"
 BEYOND = "beyond the paper"
+_ARRAYS = (
+    "time", "virtual_mass", "wanted_share", "applied", "pose", "planned", "twist", "grips",
+)  # fmt: skip
 
 
 def write(run: BeamRun, out: Path) -> tuple[list[Claim], list[str]]:
     """Decompose, check the claims, write everything into ``out``; claims and names of files."""
     by_method = decompose_by_methods(run.applied, run.grips)
     found = claims(run, by_method)
-    files = claim_tables.save(found, out / "claims")
+    files = save_claims(found, out / "claims")
     files += draw(run, by_method, out)
-    save_series(run, by_method, out / "series.csv")
-    save_arrays(run, by_method, out / "series.npz")
+    save_series(run, by_method, out)
     return found, [*files, "series.csv", "series.npz"]
 
 
@@ -86,53 +96,32 @@ def draw(run: BeamRun, by_method: dict[str, Decomposition], out: Path) -> list[s
     return names
 
 
-def save_series(run: BeamRun, by_method: dict[str, Decomposition], path: Path) -> None:
-    """Everything over time as CSV, one row a sample."""
+def save_series(run: BeamRun, by_method: dict[str, Decomposition], out: Path) -> None:
+    """Everything over time, one row a sample, as CSV; the recorded arrays as NPZ."""
+    shape = run.applied.shape[:3]  # (inertia, motion, time)
+    schedule = {
+        "inertia": np.array(run.inertias)[:, None, None],
+        "motion": np.array(MOTIONS)[:, None],
+        "time": run.time,
+        "virtual_mass": run.virtual_mass,
+        "wanted_share": run.wanted_share,
+    }
     share = load_share(run.applied, run.grips)
     energy = energy_share(run.applied, run.grips, run.twist)
-    levels = {
-        f"{name}_{short}": getattr(split, measure)
-        for name, split in by_method.items()
-        for short, measure in (
-            ("F_I", "internal_force_level"),
-            ("T_I", "internal_torque_level"),
-            ("gamma", "relative_cost"),
-        )
+    columns = {
+        **{name: np.broadcast_to(value, shape).ravel() for name, value in schedule.items()},
+        **series.columns_of(series.POSE, run.pose),
+        **series.columns_of(series.TWIST, run.twist),
+        **series.columns_of(series.WRENCHES, run.applied),
+        "force_share_1": share.force[..., 0].ravel(),
+        "torque_share_1": share.torque[..., 0].ravel(),
+        "energy_share_1": energy.total[..., 0].ravel(),
+        **series.measure_columns(by_method),
     }
-    header = ["inertia", "motion", "time", "virtual_mass", "wanted_share", "x", "y", "theta"]
-    header += ["vx", "vy", "omega", "f1x", "f1y", "t1z", "f2x", "f2y", "t2z"]
-    header += ["force_share_1", "torque_share_1", "energy_share_1", *levels]
-    with written(path) as part, part.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        for i, j, k in np.ndindex(run.applied.shape[:3]):
-            at = (i, j, k)
-            numbers = [run.inertias[i], run.time[k], run.virtual_mass[k], run.wanted_share[k]]
-            numbers += [*run.pose[at], *run.twist[at], *run.applied[at].ravel()]
-            numbers += [share.force[at][0], share.torque[at][0], energy.total[at][0]]
-            numbers += [values[at] for values in levels.values()]
-            cells = [f"{number:.10g}" for number in numbers]
-            writer.writerow([cells[0], MOTIONS[j], *cells[1:]])
-
-
-def save_arrays(run: BeamRun, by_method: dict[str, Decomposition], path: Path) -> None:
-    """The recorded arrays and each method's internal wrench as NPZ."""
-    internal = {f"internal_{name}": split.internal for name, split in by_method.items()}
-    with written(path) as part, part.open("wb") as file:
-        np.savez_compressed(
-            file,
-            time=run.time,
-            virtual_mass=run.virtual_mass,
-            wanted_share=run.wanted_share,
-            applied=run.applied,
-            pose=run.pose,
-            planned=run.planned,
-            twist=run.twist,
-            grips=run.grips,
-            inertias=np.array(run.inertias),
-            motions=np.array(MOTIONS),
-            **internal,  # pyright: ignore[reportArgumentType]
-        )
+    series.save_columns(columns, out / "series.csv")
+    arrays = {name: getattr(run, name) for name in _ARRAYS}
+    arrays |= {"inertias": np.array(run.inertias), "motions": np.array(MOTIONS)}
+    series.save_arrays(arrays, by_method, out / "series.npz")
 
 
 class _Where:
@@ -276,10 +265,9 @@ def _taken(run: BeamRun, i: int, j: int, method: str) -> Decomposition:
 
 def _schedule_panel(run: BeamRun) -> Panel:
     def curves(trial: Trial) -> list[Curve]:
-        mass, share = Look("m* [kg]", "#0072B2", "-", 2.4), Look("α^d", "#D55E00", "--", 1.6)
         return [
-            Curve(mass.label, run.virtual_mass, mass),
-            Curve(share.label, run.wanted_share, share),
+            curve(first("m* [kg]"), run.virtual_mass),
+            curve(second("α^d"), run.wanted_share),
         ]
 
     return "schedules", curves

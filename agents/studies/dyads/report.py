@@ -7,8 +7,7 @@ import numpy as np
 
 from coopenv.files import written
 
-from .. import claims as claim_tables
-from ..claims import Claim, number
+from ..claims import Claim, number, save_claims, save_rows
 from ..figures import new_figure, save_figure
 from ..methods import LOOKS
 from .analysis import QUADRANTS, DyadAnalysis
@@ -32,11 +31,11 @@ GUIDE_LABELS = {"one": "guide to one", "both": "guide to both", "none": "no guid
 def write(analysis: DyadAnalysis, out: Path) -> tuple[list[Claim], list[str]]:
     """Check the claims and write everything into ``out``; claims and names of files."""
     found = claims(analysis)
-    files = claim_tables.save(found, out / "claims")
-    files += claim_tables.save_rows(comparison(analysis), out / "comparison")
+    files = save_claims(found, out / "claims")
+    files += save_rows(comparison(analysis), out / "comparison")
     rows = effect_rows(analysis)
     if rows:
-        files += claim_tables.save_rows(rows, out / "anova")
+        files += save_rows(rows, out / "anova")
     for name, table in (
         ("internal_torque.csv", analysis.internal_torque),
         ("quadrants.csv", analysis.quadrants),

@@ -26,11 +26,10 @@ from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import placed, seen_from
 from coopenv.physics.scene import Box
 
+from ..series import POSE, WRENCHES
 from ..tables import Table
 
 KEYS = ("pair", "condition", "trial")
-POSE = ("x", "y", "theta")
-WRENCHES = ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z")
 GRIPS = ("r1x", "r1y", "r2x", "r2y")
 COLUMNS = (*KEYS, "time", *POSE, *WRENCHES, *GRIPS)
 SAME_INSTANT = 1e-9  # [samples] between two entries that rounding alone keeps apart

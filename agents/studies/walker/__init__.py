@@ -1,1 +1,1 @@
-"""The walker that turns and avoids: the simulations of the paper's section V-A."""
+"""A walker that is turned and one that is held off an obstacle: the paper's section V-A."""

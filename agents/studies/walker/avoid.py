@@ -10,8 +10,7 @@ from coopenv.physics.scene import Box
 from ..claims import Claim
 from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS, Curve, Panel, Trial, curve, first, second
 from ..methods import LOOKS, largest, smallest
-from .report import ZERO, Walk
-from .report import write as write_walk
+from .report import ZERO, Walk, write_walk
 from .simulations import Recording, WalkerAvoid
 
 FIGURE = "Fig. 11"

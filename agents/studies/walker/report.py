@@ -1,6 +1,5 @@
-"""What both walker studies write: claims, series, the way seen from above, all over time."""
+"""Files of both walker studies: claims, series, the way seen from above, all over time."""
 
-import csv
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,25 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.files import written
 from coopenv.geometry.frames import moved
 from coopenv.physics.body import Points
 from coopenv.physics.scene import Box
 from coopenv.wrench import Decomposition, energy_share, load_share
 
-from .. import claims as claim_tables
-from ..claims import Claim
+from .. import series
+from ..claims import Claim, save_claims
 from ..figures import BLUE, GREY, ORANGE, Panel, Trial, new_figure, save_figure
 from ..methods import decompose_by_methods
 from ..sheet import draw_sheet
 from .simulations import Recording
 
 ZERO = 1e-9  # [N, N·m] what counts as zero; wrenches are about 10, rounding about 1e-15
-_MEASURES = (
-    ("F_I", "internal_force_level"),
-    ("T_I", "internal_torque_level"),
-    ("gamma", "relative_cost"),
-)
+_ARRAYS = ("time", "pose", "planned", "twist", "applied", "grips", "clearance")
 
 
 class Walk:
@@ -64,7 +58,7 @@ class Walk:
         )
 
 
-def write(
+def write_walk(
     walk: Walk,
     found: Sequence[Claim],
     out: Path,
@@ -76,11 +70,10 @@ def write(
     obstacles: Sequence[Box] = (),
 ) -> list[str]:
     """Write claims, figures and series into ``out``; names of the files."""
-    files = claim_tables.save(found, out / "claims")
+    files = save_claims(found, out / "claims")
     draw_sheet(walk.trial(title), columns, out / "time.png", marks=marks)
     draw_way(walk.recording, out / "way.png", title=title, outline=outline, obstacles=obstacles)
-    save_series(walk, out / "series.csv")
-    save_arrays(walk, out / "series.npz")
+    save_series(walk, out)
     return [*files, "time.png", "way.png", "series.csv", "series.npz"]
 
 
@@ -119,43 +112,24 @@ def draw_way(
     save_figure(figure, path)
 
 
-def save_series(walk: Walk, path: Path) -> None:
-    """Everything over time as CSV, one row a control step."""
+def save_series(walk: Walk, out: Path) -> None:
+    """Everything over time, one row a control step, as CSV; the recorded arrays as NPZ."""
     recording = walk.recording
-    levels = {
-        f"{name}_{short}": getattr(split, measure)
-        for name, split in walk.by_method.items()
-        for short, measure in _MEASURES
-    }
-    table: dict[str, Any] = {"time": recording.time}
-    for names, values in (
-        (("x", "y", "theta"), recording.pose),
-        (("x_planned", "y_planned", "theta_planned"), recording.planned),
-        (("vx", "vy", "omega"), recording.twist_object),
-        (("f1x", "f1y", "t1z", "f2x", "f2y", "t2z"), recording.applied.reshape(-1, 6)),
-    ):
-        table |= dict(zip(names, values.T, strict=True))
-    table |= {
+    columns = {
+        "time": recording.time,
+        **series.columns_of(series.POSE, recording.pose),
+        **series.columns_of([f"{name}_planned" for name in series.POSE], recording.planned),
+        **series.columns_of(series.TWIST, recording.twist_object),
+        **series.columns_of(series.WRENCHES, recording.applied),
         "clearance": recording.clearance,
         "force_share_1": walk.load.force[:, 0],
         "torque_share_1": walk.load.torque[:, 0],
         "energy_share_1": walk.energy.total[:, 0],
-        **levels,
+        **series.measure_columns(walk.by_method),
     }
-    with written(path) as part, part.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(table)
-        for row in zip(*table.values(), strict=True):
-            writer.writerow([f"{number:.10g}" for number in row])
-
-
-def save_arrays(walk: Walk, path: Path) -> None:
-    """The recorded arrays and each method's internal wrench as NPZ."""
-    names = ("time", "pose", "planned", "twist", "applied", "grips", "clearance")
-    arrays = {name: getattr(walk.recording, name) for name in names}
-    arrays |= {f"internal_{name}": split.internal for name, split in walk.by_method.items()}
-    with written(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
+    series.save_columns(columns, out / "series.csv")
+    arrays = {name: getattr(recording, name) for name in _ARRAYS}
+    series.save_arrays(arrays, walk.by_method, out / "series.npz")
 
 
 def _fill(axes: Any, corners: np.ndarray, **look: Any) -> None:

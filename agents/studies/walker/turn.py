@@ -11,8 +11,7 @@ from coopenv.wrench import load_share
 from ..claims import Claim
 from ..figures import DISAGREEMENT_PANELS, MOTION_PANELS
 from ..methods import LOOKS, largest, smallest
-from .report import ZERO, Walk
-from .report import write as write_walk
+from .report import ZERO, Walk, write_walk
 from .simulations import Recording, WalkerTurn
 
 FIGURE = "Fig. 10"

@@ -91,8 +91,7 @@ def test_a_body_that_leaves_its_plan_breaks_the_claims(run, by_method):
 
 
 def test_the_series_are_what_was_recorded(tmp_path, run, by_method):
-    beam_report.save_series(run, by_method, tmp_path / "series.csv")
-    beam_report.save_arrays(run, by_method, tmp_path / "series.npz")
+    beam_report.save_series(run, by_method, tmp_path)
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 * len(MOTIONS) * 100

@@ -5,7 +5,7 @@ from math import nan
 
 import pytest
 
-from coopenv.agents.studies.claims import Claim, markdown, save, table
+from coopenv.agents.studies.claims import Claim, claim_table, markdown, save_claims
 from coopenv.errors import InvalidInput
 
 HOLDS = Claim.zero("ours is zero", "Fig. 13", 3e-13, within=1e-9, unit="N")
@@ -41,11 +41,11 @@ def test_a_rule_must_be_one():
 def test_tables_show_number_rule_and_verdict(tmp_path):
     rich = pytest.importorskip("rich.console")
     console = rich.Console(width=160, record=True, file=(tmp_path / "console").open("w"))
-    console.print(table([HOLDS, FAILS], "beam"))
+    console.print(claim_table([HOLDS, FAILS], "beam"))
     printed = console.export_text()
     for word in ("beam", "ours is zero", "3e-13 N", "≤ 1e-09 N", "does not hold", "too few"):
         assert word in printed
-    assert save([HOLDS, FAILS], tmp_path / "claims") == ["claims.md", "claims.csv"]
+    assert save_claims([HOLDS, FAILS], tmp_path / "claims") == ["claims.md", "claims.csv"]
     lines = (tmp_path / "claims.md").read_text().splitlines()
     assert lines[0] == "| claim | source | measured | rule | verdict | why |"
     assert lines[3].startswith("| a \\| b differ | V-C | 0.02 | < 0.01 | does not hold |")
