@@ -1,5 +1,6 @@
 """The native Stable-Baselines3 VecEnv, and trained models as policies."""
 
+import pickle
 import warnings
 
 import numpy as np
@@ -322,3 +323,10 @@ def test_what_is_bounded_is_scaled_to_one_by_its_bound():
     venv = sb3.make_vec_env(num_worlds=2, control="shared", observe=observe)
     scale = sb3.feature_scale(venv)
     assert scale == [1.0] * 2 + [0.25] * 6 + [1.0] * 5
+
+
+@pytest.mark.parametrize("name", ["FallingRate", "SB3Policy", "Scaled", "TransportVecEnv"])
+def test_what_saved_policies_name_is_found_where_they_look_for_it(name):
+    kind = getattr(sb3, name)
+    assert kind.__module__ == "coopenv.agents.sb3"
+    assert pickle.loads(pickle.dumps(kind)) is kind

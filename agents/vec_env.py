@@ -1,0 +1,224 @@
+"""All worlds of a `coopenv.Transport` as a Stable-Baselines3 ``VecEnv``."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from coopenv.arrays import BoolArray, IntArray
+from coopenv.config import TransportConfig
+from coopenv.envs.common import (
+    Pictures,
+    agent_action_space,
+    agent_observation_space,
+    check_render_mode,
+    start_options,
+    team_action_space,
+    team_actions,
+    team_observation_space,
+)
+from coopenv.errors import InvalidInput, MissingExtra, UnknownName
+from coopenv.transport import Transport
+
+from . import partners
+from .episodes import Episodes, EpisodeSums
+
+try:
+    from stable_baselines3.common.monitor import Monitor
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError as error:
+    raise MissingExtra("coopenv.agents.sb3", "train") from error
+
+CONTROLS = ("joint", "shared", "partner")
+
+
+class TransportVecEnv(VecEnv):
+    """All worlds of a `coopenv.Transport` as rows of a ``VecEnv``, with autoreset.
+
+    ============  ==============  =================  ===============  ====================
+    control       rows            observation        action           reward
+    ============  ==============  =================  ===============  ====================
+    ``joint``     world           all agents' sight  all agents'      mean over the team
+    ``shared``    world · n + i   agent i's sight    agent i's        agent i's own
+    ``partner``   world           the learner's      the learner's    the learner's
+    ============  ==============  =================  ===============  ====================
+
+    Agents, and their number n, are those whom no partner drives.
+
+    Infos are empty but in the step that ends an episode; there they hold ``is_success``,
+    ``terminal_observation``, ``TimeLimit.truncated`` and ``episode``: ``r`` return, ``l`` length
+    [steps], ``t`` seconds since the start, then means over the episode's steps (`Episodes`) and,
+    as ``reward/<term>``, the sum of each reward term.
+
+    The rows share one object, so attributes are set and methods called once for all of them.
+
+    Attributes
+    ----------
+    transport
+        The core.
+    """
+
+    __module__ = "coopenv.agents.sb3"  # where users import it from, and where pickles look for it
+
+    def __init__(
+        self,
+        config: TransportConfig,
+        num_worlds: int,
+        *,
+        control: str = "joint",
+        render_mode: str | None = None,
+    ):
+        if control not in CONTROLS:
+            raise UnknownName("control", control, CONTROLS)
+        check_render_mode(render_mode, ["rgb_array"])  # no window holds many worlds
+        if control == "partner":
+            config = _with_partner(config)
+        self.transport = Transport(num_worlds=num_worlds, config=config)
+        self.control, self.render_mode = control, render_mode
+        self._rows = len(self.transport.learners) if control == "shared" else 1
+        self._pictures = Pictures(self.transport, render_mode)
+        self._sums = EpisodeSums(self.transport.num_worlds, self.transport.num_agents)
+        self._start_time = time.perf_counter()
+        self._action: npt.NDArray = np.empty(0)
+        joint = control != "shared"
+        observation = team_observation_space if joint else agent_observation_space
+        action = team_action_space if joint else agent_action_space
+        super().__init__(
+            self.transport.num_worlds * self._rows,
+            observation(self.transport),
+            action(self.transport),
+        )
+
+    def reset(self) -> npt.NDArray[np.float32]:
+        """Start every world anew; seeds and options that were set are used once."""
+        options = start_options(self._options[0])
+        seeds = self._seeds[:: self._rows]
+        seeded = any(seed is not None for seed in seeds)
+        obs, _ = self.transport.reset(seed=seeds if seeded else None, **options)
+        self._reset_seeds()
+        self._reset_options()
+        self._sums = EpisodeSums(self.transport.num_worlds, self.transport.num_agents)
+        return self._by_row(obs)
+
+    def step_async(self, actions: npt.NDArray) -> None:
+        """Keep the actions for `step_wait`."""
+        shape = (self.num_envs, *(self.action_space.shape or ()))
+        self._action = team_actions(self.transport, actions, shape)
+
+    def step_wait(
+        self,
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], BoolArray, list[dict]]:
+        """Step every world, and reset those whose episode ended."""
+        obs, reward, terminated, truncated, info = self.transport.step(self._action)
+        self._sums.add(reward, info)
+        done = terminated | truncated
+        infos: list[dict] = [{} for _ in range(self.num_envs)]
+        if done.any():
+            worlds = np.flatnonzero(done)
+            self._report(infos, worlds, self._sums.take(worlds), obs, truncated)
+            obs, _ = self.transport.reset(mask=done)
+        rewards = reward.reshape(-1) if self.control == "shared" else reward.mean(axis=1)
+        return self._by_row(obs), rewards.astype(np.float32), np.repeat(done, self._rows), infos
+
+    def close(self) -> None:
+        """Close what draws."""
+        self._pictures.close()
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Seed world k with ``seed + k`` at the next reset; all rows of a world have its seed."""
+        if seed is None:
+            seed = int(np.random.default_rng().integers(2**31))
+        self._seeds = [seed + row // self._rows for row in range(self.num_envs)]
+        return self._seeds
+
+    def set_options(self, options: list[dict] | dict | None = None) -> None:
+        """Start poses or goals of the next reset, ``pose`` and ``goal``, for all worlds in one."""
+        if isinstance(options, list):
+            raise InvalidInput(
+                "options must be one dict for all worlds, got a list; "
+                "pass pose= or goal= of shape (num_worlds, 3)"
+            )
+        self._options = [start_options(options)] * self.num_envs
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute of this object or of the core, once for each index."""
+        owner = self if hasattr(self, attr_name) else self.transport
+        return [getattr(owner, attr_name) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set an attribute of this object, or of the core if it has one of that name."""
+        setattr(self.transport if hasattr(self.transport, attr_name) else self, attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the core once; the answer is repeated for each index."""
+        answer = getattr(self.transport, method_name)(*method_args, **method_kwargs)
+        return [answer for _ in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """True for ``Monitor``: episode statistics are reported as that wrapper would."""
+        return [wrapper_class is Monitor for _ in self._get_indices(indices)]
+
+    def get_images(self) -> Sequence[npt.NDArray | None]:
+        """One picture a world."""
+        return [self._pictures.draw(world) for world in range(self.transport.num_worlds)]
+
+    def _by_row(self, obs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        return obs.reshape(self.num_envs, -1)
+
+    def _report(
+        self,
+        infos: list[dict],
+        worlds: IntArray,
+        ended: Episodes,
+        obs: npt.NDArray[np.float32],
+        truncated: BoolArray,
+    ) -> None:
+        """Fill the infos of the worlds whose episode ended."""
+        last = self._by_row(obs)
+        elapsed = round(time.perf_counter() - self._start_time, 6)
+        for number, world in enumerate(worlds.tolist()):
+            for agent in range(self._rows):
+                row = world * self._rows + agent
+                mine = slice(agent, agent + 1) if self.control == "shared" else slice(None)
+                infos[row].update(
+                    {
+                        "terminal_observation": last[row].copy(),
+                        "TimeLimit.truncated": bool(truncated[world]),
+                        "is_success": bool(ended.success[number]),
+                        "episode": {**_statistics(ended, number, mine), "t": elapsed},
+                    }
+                )
+
+
+def _with_partner(config: TransportConfig) -> TransportConfig:
+    """The configuration, with the default partner where it has none; one agent is left to learn."""
+    if config.partner is None:
+        config = replace(config, partner=partners.DEFAULT)
+    if len(config.learners) > 1:
+        raise InvalidInput(
+            f"partner_agents must leave one agent to learn for control='partner', got "
+            f"{config.driven} of {config.num_agents}; name more of them, or use 'joint' or 'shared'"
+        )
+    return config
+
+
+def _statistics(ended: Episodes, number: int, agents: slice) -> dict[str, float]:
+    """Numbers of one episode, rewards averaged over the given agents."""
+    return {
+        "r": float(ended.reward[number, agents].mean()),
+        "l": int(ended.length[number]),
+        "relative_cost": float(ended.relative_cost[number]),
+        "internal_force_level": float(ended.internal_force_level[number]),
+        "internal_torque_level": float(ended.internal_torque_level[number]),
+        "load_imbalance": float(ended.load_imbalance[number]),
+        "contact_impulse": float(ended.contact_impulse[number]),
+        **{
+            f"reward/{name}": float(total[number, agents].mean())
+            for name, total in ended.reward_terms.items()
+        },
+    }
