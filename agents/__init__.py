@@ -1,4 +1,4 @@
-"""What carries: scripted controllers, learned policies, training and evaluation.
+"""Agents: scripted controllers, learned policies, partners, training and evaluation.
 
 ``policy`` and ``controllers`` need nothing beyond the core; ``sb3`` and ``train`` need the extra
 ``train``.

@@ -1,4 +1,4 @@
-"""Sums over the running episode of each world, for training logs and evaluation alike."""
+"""Statistics of running and finished episodes, for training logs and evaluation alike."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace

@@ -1,4 +1,4 @@
-"""Held-out episodes of a policy, and what they show; several policies side by side."""
+"""Evaluation of policies on held-out episodes, alone or side by side."""
 
 import csv
 import json

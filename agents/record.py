@@ -1,4 +1,4 @@
-"""A held-out episode as a GIF."""
+"""Recording of a held-out episode as a GIF."""
 
 import os
 

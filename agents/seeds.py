@@ -1,4 +1,4 @@
-"""Which seeds are for training and which are held out.
+"""Seeds of worlds: which are for training and which are held out.
 
 World k of a batch seeded with s uses s + k and goes on from there. Training number ``seed`` owns a
 block of `BLOCK` world seeds, evaluation likewise, in two ranges that never meet:

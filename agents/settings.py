@@ -1,4 +1,4 @@
-"""What a training run is: a commented dataclass, read from the command line and kept as JSON."""
+"""Configuration of a training run, read from the command line and kept as JSON."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Train PPO, with logs, curves and checkpoints that a killed run goes on from."""
+"""Training with PPO: logs, curves and checkpoints that a killed run goes on from."""
 
 import json
 import zipfile

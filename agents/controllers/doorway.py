@@ -1,4 +1,4 @@
-"""Scripted passing of a doorway: line up before the gap, go through, on to the goal."""
+"""Scripted controller of the doorway: line up before the gap, go through, on to the goal."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Where an object is led and what wrench that takes, compiled for controllers and partners."""
+"""Guidance to a goal within walls: the twist to aim for and its wrench, compiled."""
 
 from dataclasses import astuple, dataclass
 from math import cos, pi, sin, sqrt

@@ -1,4 +1,4 @@
-"""Scripted tracking: feed-forward along a moving reference."""
+"""Scripted controller of tracking: feed-forward along a moving reference."""
 
 import numpy as np
 

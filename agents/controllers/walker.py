@@ -1,4 +1,4 @@
-"""Scripted policies for a walker: the human pushes, the drive turns it and brakes at obstacles."""
+"""Scripted controllers of a walker: the human pushes, the drive turns it and brakes."""
 
 from dataclasses import dataclass
 from typing import NamedTuple

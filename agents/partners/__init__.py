@@ -1,4 +1,4 @@
-"""Partners to learn with: ``partner="follower"`` in any view, or an object for other numbers."""
+"""Scripted partners: ``partner="follower"`` in any view, or an object for other numbers."""
 
 from coopenv.errors import UnknownName
 

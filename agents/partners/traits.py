@@ -1,4 +1,4 @@
-"""What tells one scripted partner from another: a row of numbers an episode.
+"""Traits of scripted partners: a row of numbers an episode that tells one from another.
 
 All kinds are one model with different numbers, so that a batch in which every world has another
 kind takes one pass. An episode has two such rows, between which a partner may switch.

@@ -1,4 +1,4 @@
-"""Time series of trials: what was applied, and what each method calls internal.
+"""Figures of trials over time: what was applied, what each method calls internal.
 
 Trials stand side by side, one column each; quantities one below the other with a common scale.
 Legends are beside the panels, where they hide nothing.

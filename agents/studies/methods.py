@@ -1,4 +1,4 @@
-"""One recorded trial, decomposed by every method that it is compared with."""
+"""Decomposition of a trial by the methods that are compared, and how each is drawn."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

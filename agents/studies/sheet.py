@@ -1,4 +1,4 @@
-"""One trial on one sheet: quantities in two columns over the same time, each with its legend."""
+"""Figure of one trial: quantities in columns over the same time, each with its legend."""
 
 import os
 from collections.abc import Sequence

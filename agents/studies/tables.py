@@ -1,4 +1,4 @@
-"""What a table is to the type checker."""
+"""Type of a table for the type checker."""
 
 from typing import Any, TypeAlias
 

@@ -1,4 +1,4 @@
-"""Does feeling the internal wrench help with a partner whose plan is hidden? One table.
+"""Ablation: does feeling the internal wrench help with a partner whose plan is hidden?
 
 python -m benchmarks.learning.partner_ablation        # five seeds a row; --help for the rest
 

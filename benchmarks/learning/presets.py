@@ -1,4 +1,4 @@
-"""What PPO learns under several rewards and training seeds.
+"""Comparison of reward presets: what PPO learns under each, with several training seeds.
 
 ``python -m benchmarks.learning.presets``.
 

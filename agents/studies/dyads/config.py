@@ -1,4 +1,4 @@
-"""What the simulated study is: how many people, what they are like, what they carry and where."""
+"""Configuration of the simulated human study: how many people, what they carry, where."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""Where a pair's load shares are: a kernel density over the unit square, and its quadrants."""
+"""Kernel density of load shares over the unit square, and the time in its quadrants."""
 
 from dataclasses import dataclass
 from typing import Self

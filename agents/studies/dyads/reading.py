@@ -1,4 +1,4 @@
-"""Trials that users recorded, read from their files."""
+"""Reading of recorded trials of pairs from the files of users."""
 
 import os
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Recorded trials of pairs as one long table, simulated or measured.
+"""Trials of pairs as one long table, simulated or recorded: columns, checks, who is first.
 
 One row a sample. Columns:
 

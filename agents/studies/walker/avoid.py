@@ -1,4 +1,4 @@
-"""A walker whose drive holds it off an obstacle that the human would run into (Fig. 11)."""
+"""Study of a walker that its drive holds off an obstacle in the human's way (V-A, Fig. 11)."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A walker that is turned by its drive while a human pushes it (section V-A, Figs. 9 and 10)."""
+"""Study of a walker that its drive turns while a human pushes it (V-A, Figs. 9 and 10)."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Every kind of partner does what its name says; figures in docstrings were measured here."""
+"""Every kind of partner does what its name says."""
 
 import dataclasses
 from typing import Any
