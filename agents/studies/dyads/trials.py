@@ -23,7 +23,7 @@ import pandas as pd
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import InvalidInput
-from coopenv.geometry.frames import placed, seen_from
+from coopenv.geometry.frames import rotated, seen_from
 from coopenv.physics.scene import Box
 
 from ..series import POSE, WRENCHES
@@ -178,8 +178,7 @@ def grips_in_world(pose: FloatArray, grips: FloatArray) -> FloatArray:
     The leading dimensions of both are broadcast against each other.
     """
     c, s = np.cos(pose[..., None, 2]), np.sin(pose[..., None, 2])
-    at = placed(pose[..., None, 0], pose[..., None, 1], c, s, grips[..., 0], grips[..., 1])
-    return np.stack(at, axis=-1)
+    return np.stack(rotated(c, s, grips[..., 0], grips[..., 1]), axis=-1) + pose[..., None, :2]
 
 
 def applied_wrenches(trials: Table) -> FloatArray:
