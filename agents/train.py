@@ -190,7 +190,7 @@ class _Log(BaseCallback):
     def _on_rollout_end(self) -> None:
         row: Row = {
             "steps": self.num_timesteps // self._per_step,
-            **_means(list(chain(*self._ended))),
+            **episode_means(list(chain(*self._ended))),
         }
         for name, value in row.items():
             self.logger.record(f"episode/{name}", value)
@@ -198,7 +198,7 @@ class _Log(BaseCallback):
         self._report(row)
 
 
-def _means(ended: list[dict[str, Any]]) -> Row:
+def episode_means(ended: list[dict[str, Any]]) -> Row:
     """Means over the infos of ended episodes; nothing where none ended."""
     if not ended:
         return {}

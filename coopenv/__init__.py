@@ -10,7 +10,7 @@ from coopenv.config import TransportConfig
 from coopenv.envs.registry import register
 from coopenv.observation import BLOCKS, Block
 from coopenv.observation.sensor import Sensor
-from coopenv.partner import Partner, Player
+from coopenv.partner import Partner, Player, name_partners
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 from coopenv.randomisation import Ranges
@@ -71,3 +71,12 @@ from coopenv import (
     walker_avoid_v0,
     walker_turn_v0,
 )
+
+
+def _find_partner(name: str) -> Partner:
+    from coopenv.agents.partners import find_partner  # where one is named: they are compiled
+
+    return find_partner(name)
+
+
+name_partners(_find_partner)

@@ -9,7 +9,7 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, find_blocks
 from coopenv.observation.block import Block
 from coopenv.observation.sensor import Sensor
-from coopenv.partner import Partner
+from coopenv.partner import Partner, named_partner
 from coopenv.physics.scene import Box, Scene
 from coopenv.tasks import TASKS, Task, TransportTask
 
@@ -117,9 +117,7 @@ def _of_task(entry: Any, own: Mapping[str, Block]) -> Any:
 def read_partner(value: Any) -> Partner | None:
     """The partner of that name; anything else has to be one, or None."""
     if isinstance(value, str):
-        from coopenv.agents.partners import find_partner  # needs the core, which needs it by name
-
-        return find_partner(value)
+        return named_partner(value)
     if value is not None and (isinstance(value, type) or not isinstance(value, Partner)):
         raise InvalidInput(
             f"partner must be a name or have a method player(config, num_worlds, agents), got "

@@ -1,7 +1,7 @@
 """Protocols of partners: who drives some of the agents, so that the others learn with somebody."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -69,3 +69,30 @@ class Player(Protocol):
     def plan(self, transition: Transition) -> FloatArray:
         """Pose ``(world, 3)`` it wants the object to reach, world frame; NaN where it has none."""
         ...
+
+
+Finder: TypeAlias = Callable[[str], Partner]
+"""The partner of a name; raises `UnknownName` where there is none."""
+
+_finders: list[Finder] = []
+
+
+def name_partners(finder: Finder) -> None:
+    """Say what finds partners by their names, instead of what did before.
+
+    `coopenv` names those of `coopenv.agents.partners`, which are made of the core and so are not
+    known to it.
+    """
+    _finders[:] = [finder]
+
+
+def named_partner(name: str) -> Partner:
+    """The partner of that name.
+
+    Raises
+    ------
+    UnknownName
+        If there is none.
+    """
+    (finder,) = _finders
+    return finder(name)

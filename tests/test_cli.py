@@ -50,7 +50,7 @@ def test_train_prints_the_table_and_leaves_its_files(tmp_path, capsys):
 def test_the_same_command_goes_on_after_an_interruption(tmp_path, monkeypatch, capsys):
     from coopenv.agents import train
 
-    means = train._means
+    means = train.episode_means
 
     def interrupted(ended):
         if (tmp_path / "checkpoint.zip").exists():
@@ -59,7 +59,7 @@ def test_the_same_command_goes_on_after_an_interruption(tmp_path, monkeypatch, c
 
     options = (*TINY, "--checkpoint-every=1", "--episodes=2", "--no-gif", f"--out={tmp_path}")
     with monkeypatch.context() as patch:
-        patch.setattr(train, "_means", interrupted)
+        patch.setattr(train, "episode_means", interrupted)
         assert run("train", *options) == 130
     assert "go on" in capsys.readouterr().err
     assert run("train", *options) == 0

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from coopenv.agents.seeds import evaluation_seeds
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.files import written
 from coopenv.geometry import frames
@@ -17,6 +16,7 @@ from coopenv.physics.scene import Box
 from coopenv.tasks import DoorwayTask
 from coopenv.transport import Transport
 
+from ...seeds import evaluation_seeds
 from ..claims import number, save_rows
 from ..tables import Table
 from .analysis import GUIDES
