@@ -15,6 +15,7 @@ lint: .venv/dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/lint-imports --no-cache
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
