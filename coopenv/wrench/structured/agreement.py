@@ -41,15 +41,15 @@ from coopenv.wrench.structured.cones import (
 
 
 @fused
-def disagreement(k, system):
+def disagreement(sample, system):
     """Largest sine of the angle between a force and Σ f, 1 if one opposes it."""
-    _sum(k, system, 0)
+    _sum(sample, system, 0)
     x, y, z = system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]
     size = max(norm3(x, y, z), TINY)
     x, y, z = x / size, y / size, z / size
     sine = 0.0
-    for i in range(0, num_blocks(k), 2):
-        row = block(k, i)
+    for i in range(0, num_blocks(sample), 2):
+        row = block(sample, i)
         if row[FREE] == 0.0:
             continue
         fx = row[COLUMNS] * row[V] + row[COLUMNS + 6] * row[V + 1]
@@ -63,32 +63,32 @@ def disagreement(k, system):
 
 
 @fused
-def _sum(k, system, first):
+def _sum(sample, system, first):
     """Write Σ f to dν, or Σ t to its second half (``first`` = 3)."""
     for r in range(first, first + 3):
         system[NU_STEP, r] = 0.0
-        for i in range(first // 3, num_blocks(k), 2):
-            row = block(k, i)
+        for i in range(first // 3, num_blocks(sample), 2):
+            row = block(sample, i)
             for j in range(2):
                 system[NU_STEP, r] += row[COLUMNS + 6 * j + r] * row[V + j]
 
 
 @fused
-def share_torques(k, system):
+def share_torques(sample, system):
     """Candidate that keeps every force and shares the torques along their sum; return its length.
 
     Their sum is left in dν.
     """
-    _sum(k, system, 3)
-    for i in range(num_blocks(k)):
-        row = block(k, i)
+    _sum(sample, system, 3)
+    for i in range(num_blocks(sample)):
+        row = block(sample, i)
         row[ANSWER], row[ANSWER + 1], row[ANSWER + 2] = 0.0, 0.0, 0.0
-    _share(k, system, _supply(k, system))
+    _share(sample, system, _supply(sample, system))
     return norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5])
 
 
 @fused
-def share_needed(k, system):
+def share_needed(sample, system):
     """Share what the candidate needs of pure torque among all who can supply it.
 
     Any split along their sum costs the same, and none costs less; without this it would be as the
@@ -96,39 +96,39 @@ def share_needed(k, system):
     """
     for r in range(3, 6):
         needed = 0.0
-        for i in range(1, num_blocks(k), 2):
-            row = block(k, i)
+        for i in range(1, num_blocks(sample), 2):
+            row = block(sample, i)
             if row[FREE] > 0.0:
                 for j in range(3):
                     needed += row[COLUMNS + 6 * j + r] * (row[V + j] - row[ANSWER + j])
         system[NU_STEP, r] = needed
     supply, size = (
-        _supply(k, system),
+        _supply(sample, system),
         norm3(system[NU_STEP, 3], system[NU_STEP, 4], system[NU_STEP, 5]),
     )
     if supply >= size * size:
-        _share(k, system, supply)
+        _share(sample, system, supply)
 
 
 @fused
-def _supply(k, system):
+def _supply(sample, system):
     """Σ max(t_i·t, 0) for the torque t in dν."""
     supply = 0.0
-    for i in range(1, num_blocks(k), 2):
-        row = block(k, i)
+    for i in range(1, num_blocks(sample), 2):
+        row = block(sample, i)
         if row[FREE] > 0.0:
             supply += max(_along(row, system), 0.0)
     return supply
 
 
 @fused
-def _share(k, system, supply):
+def _share(sample, system, supply):
     """Give every torque its part of the torque t in dν.
 
     t_M,i = max(t_i·t, 0) / Σ max(t_j·t, 0) t    (eqs. 22-23)
     """
-    for i in range(1, num_blocks(k), 2):
-        row = block(k, i)
+    for i in range(1, num_blocks(sample), 2):
+        row = block(sample, i)
         if row[FREE] == 0.0:
             continue
         share = max(_along(row, system), 0.0) / max(supply, TINY)
@@ -147,7 +147,7 @@ def _along(row, system):
 
 
 @fused
-def certify(k, system, sine):
+def certify(sample, system, sine):
     """Leave `share_torques` as the candidate and return the bound on its suboptimality.
 
     ν_f = −K f_o/‖f_o‖ with K about c/sine, ν_t = −c t/‖t‖; ζ = −c v/‖v‖ for forces, ν_t for torques
@@ -155,12 +155,12 @@ def certify(k, system, sine):
     The c of K is what force and the torque that it makes cost: of the two errors in the bound,
     K sine² and the torque's c²/K, neither may be the larger.
     """
-    _aim(k, system, (block(k, 0)[PRICE] + block(k, 1)[PRICE]) / max(sine, 1e-15))
-    size = max(share_torques(k, system), TINY)
+    _aim(sample, system, (block(sample, 0)[PRICE] + block(sample, 1)[PRICE]) / max(sine, 1e-15))
+    size = max(share_torques(sample, system), TINY)
     for r in range(3, 6):
-        system[NU, r] = -block(k, 1)[PRICE] * system[NU_STEP, r] / size
-    for i in range(num_blocks(k)):
-        row = block(k, i)
+        system[NU, r] = -block(sample, 1)[PRICE] * system[NU_STEP, r] / size
+    for i in range(num_blocks(sample)):
+        row = block(sample, i)
         z = FIRST_CONE + Z
         length = max(norm3(row[V], row[V + 1], 0.0), TINY)
         for j in range(3):
@@ -173,13 +173,13 @@ def certify(k, system, sine):
             row[z + 3 * CONE + 1 + j] = 0.0
         sign = 1.0 if row[V + 1] > 0.0 else -1.0
         row[z + 3 * CONE + 2] = -row[DISC_PRICE] * sign
-    return max(shortfall(k, system) - saving(k, ANSWER), 0.0)
+    return max(shortfall(sample, system) - saving(sample, ANSWER), 0.0)
 
 
 @fused
-def _aim(k, system, multiplier):
+def _aim(sample, system, multiplier):
     """ν_f = −K f_o/‖f_o‖."""
-    _sum(k, system, 0)
+    _sum(sample, system, 0)
     size = max(norm3(system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]), TINY)
     for r in range(3):
         system[NU, r] = -multiplier * system[NU_STEP, r] / size
@@ -187,21 +187,21 @@ def _aim(k, system, multiplier):
 
 
 @fused
-def start_near(k, system, sine):
+def start_near(sample, system, sine):
     """Move the forces' start to where it must end, near 0, with the multipliers that say so.
 
     g = θ f with θ such that s·z is as large as in the other blocks.
     """
-    _aim(k, system, block(k, 0)[PRICE] / sine)
+    _aim(sample, system, block(sample, 0)[PRICE] / sine)
     total, number = 0.0, 0
-    for i in range(0, num_blocks(k), 2):
-        row = block(k, i)
+    for i in range(0, num_blocks(sample), 2):
+        row = block(sample, i)
         if row[PRICE] > 0.0:
             total += row[PRICE] * norm3(row[V], row[V + 1], 0.0)
             number += 1
-    for i in range(0, num_blocks(k), 2):
-        if block(k, i)[FREE] > 0.0:
-            _start_force_near(block(k, i), system, total / number)
+    for i in range(0, num_blocks(sample), 2):
+        if block(sample, i)[FREE] > 0.0:
+            _start_force_near(block(sample, i), system, total / number)
 
 
 @fused

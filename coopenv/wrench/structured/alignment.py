@@ -13,14 +13,14 @@ POWERS = 3  # of the grips' scatter, to find their line
 
 
 @fused
-def align(k, wrench, grips, units, spare):
+def align(sample, wrench, grips, units, spare):
     """Write the rows of torque of every G about the grips' middle, in a frame along their line."""
     arm, middle, turn = spare[1], spare[3], spare[4]
     _find_middle(wrench, grips, units[0], middle)
     _find_line(wrench, grips, units[0], spare)
     for i in range(wrench.shape[0]):
         _arm(grips, i, middle, arm)
-        force, torque = block(k, 2 * i), block(k, 2 * i + 1)
+        force, torque = block(sample, 2 * i), block(sample, 2 * i + 1)
         for j in range(3):
             at = COLUMNS + 6 * j
             x, y, z = force[at], force[at + 1], force[at + 2]
@@ -32,7 +32,7 @@ def align(k, wrench, grips, units, spare):
 
 
 @fused
-def turn_back(k, wrench, spare):
+def turn_back(sample, wrench, spare):
     """Write the directions of the torques as they were, for the answer to be read."""
     turn = spare[4]
     for r in range(3):
@@ -40,7 +40,7 @@ def turn_back(k, wrench, spare):
             turn[r, t], turn[t, r] = turn[t, r], turn[r, t]
     for i in range(wrench.shape[0]):
         for j in range(3):
-            _turn(block(k, 2 * i + 1), COLUMNS + 6 * j + 3, turn)
+            _turn(block(sample, 2 * i + 1), COLUMNS + 6 * j + 3, turn)
 
 
 @fused

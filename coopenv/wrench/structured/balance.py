@@ -19,44 +19,44 @@ SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks lest 
 
 
 @fused_inlined
-def sums(k):
+def sums(sample):
     """Fields of the chunk where sums over the blocks grow."""
-    return chunk(k, num_chunks(k))
+    return chunk(sample, num_chunks(sample))
 
 
 @fused_inlined
-def clear_matrix(k):
+def clear_matrix(sample):
     """Begin sums of squares."""
     for r in range(RESULTANT):
-        sums(k)[r] = 0.0
+        sums(sample)[r] = 0.0
 
 
 @fused_inlined
-def clear_resultant(k):
+def clear_resultant(sample):
     """Begin sums of forces and torques."""
     for r in range(6):
-        sums(k)[RESULTANT + r] = 0.0
+        sums(sample)[RESULTANT + r] = 0.0
 
 
 @fused_inlined
-def collect_matrix(k, system):
+def collect_matrix(sample, system):
     """Write the sum of squares to the matrix."""
     for r in range(6):
         for t in range(r + 1):
-            system[r, t] = total(sums(k)[TABLE_WIDTH * r + t])
+            system[r, t] = total(sums(sample)[TABLE_WIDTH * r + t])
 
 
 @fused_inlined
-def collect_resultant(k, system, at, sign):
+def collect_resultant(sample, system, at, sign):
     """Add the sum of forces and torques to a row of the system, or subtract it."""
     for r in range(6):
-        system[at, r] += sign * total(sums(k)[RESULTANT + r])
+        system[at, r] += sign * total(sums(sample)[RESULTANT + r])
 
 
 @fused_inlined
-def add_squares(k, columns, first, x, y, z):
+def add_squares(sample, columns, first, x, y, z):
     """Add G diag(x, y, z) Gᵀ of a chunk, the columns being fields of six from row ``first`` on."""
-    matrix = sums(k)
+    matrix = sums(sample)
     for r in range(first, 6):
         a0, a1, a2 = columns[r] * x, columns[6 + r] * y, columns[12 + r] * z
         for t in range(first, r + 1):
@@ -65,27 +65,27 @@ def add_squares(k, columns, first, x, y, z):
 
 
 @fused_inlined
-def add_resultant(k, i, x, y, z):
+def add_resultant(sample, i, x, y, z):
     """Add G (x, y, z) of a chunk."""
-    b, first = chunk(k, i), 3 * (i & 1)
+    b, first = chunk(sample, i), 3 * (i & 1)
     for r in range(3):
         c = COLUMNS + first + r
-        sums(k)[RESULTANT + first + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
+        sums(sample)[RESULTANT + first + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
     if first == 0:
         for r in range(3, 6):
             c = COLUMNS + r
-            sums(k)[RESULTANT + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
+            sums(sample)[RESULTANT + r] += b[c] * x + b[c + 6] * y + b[c + 12] * z
 
 
 @fused
-def mark_alive(k, system):
+def mark_alive(sample, system):
     """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
-    clear_matrix(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    clear_matrix(sample)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         x, y, z = _weights(b, 1.0)
-        add_squares(k, after(b, COLUMNS), 3 * (i & 1), x, y, z)
-    collect_matrix(k, system)
+        add_squares(sample, after(b, COLUMNS), 3 * (i & 1), x, y, z)
+    collect_matrix(sample, system)
     find_pivots(system)
 
 
@@ -114,15 +114,15 @@ def seen(b, system, at, torque):
 
 
 @fused
-def resultant(k, system, part, at):
+def resultant(sample, system, part, at):
     """Write −Σ G x for a part x of the blocks to a row; return its largest component."""
-    clear_resultant(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        add_resultant(k, i, b[part], b[part + 1], b[part + 2])
+    clear_resultant(sample)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
+        add_resultant(sample, i, b[part], b[part + 1], b[part + 2])
     for r in range(6):
         system[at, r] = 0.0
-    collect_resultant(k, system, at, -1.0)
+    collect_resultant(sample, system, at, -1.0)
     return largest_component(system, at)
 
 
@@ -136,20 +136,20 @@ def largest_component(system, at):
 
 
 @fused
-def spread_evenly(k, system):
+def spread_evenly(sample, system):
     """Take the candidate answer back to G g = 0, every block in proportion to the square of ‖v‖."""
-    clear_matrix(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    clear_matrix(sample)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
-        add_squares(k, after(b, COLUMNS), 3 * (i & 1), x, y, z)
-    collect_matrix(k, system)
+        add_squares(sample, after(b, COLUMNS), 3 * (i & 1), x, y, z)
+    collect_matrix(sample, system)
     factorise_system(system)
     for _ in range(2):
-        resultant(k, system, ANSWER, NU_STEP)
+        resultant(sample, system, ANSWER, NU_STEP)
         solve_system(system)
-        for i in range(num_chunks(k)):
-            b = chunk(k, i)
+        for i in range(num_chunks(sample)):
+            b = chunk(sample, i)
             x, y, z = _weights(b, b[RADIUS] * b[RADIUS])
             y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
             b[ANSWER] += x * y0

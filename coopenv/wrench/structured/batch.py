@@ -22,42 +22,44 @@ WANTED = 1e-8  # gap, relative to J(h), above which a second attempt is made
 
 
 @fused
-def _solve_sample(k, system, spare, wrench, grips, w, induced, tolerance, manipulation, report):
+def _solve_sample(
+    sample, system, spare, wrench, grips, w, induced, tolerance, manipulation, report
+):
     """Answer a sample; where that is not certified, try again with patience and keep the better."""
     report[0], report[1], report[4] = np.inf, 0.0, 0.0
     for patient in (False, True):
         if not report[0] > max(WANTED, tolerance) * report[1]:
             return
-        force, length, cost = fill(k, wrench, grips, w, induced, spare)
+        force, length, cost = fill(sample, wrench, grips, w, induced, spare)
         steps, gap = 0, 0.0
         if patient:
-            align(k, wrench, grips, (force, length), spare)
+            align(sample, wrench, grips, (force, length), spare)
         if cost > 0.0:
-            steps, gap = solve(k, system, tolerance, patient)
-            share_needed(k, system)
-        unit, saved, slack = cost * force, saving(k, ANSWER), 0.0
+            steps, gap = solve(sample, system, tolerance, patient)
+            share_needed(sample, system)
+        unit, saved, slack = cost * force, saving(sample, ANSWER), 0.0
         if steps > 0:
-            gap, saved, slack = _weighed(k, system, gap, saved)
-        slack += neglected(k, system) if cost > 0.0 else 0.0
+            gap, saved, slack = _weighed(sample, system, gap, saved)
+        slack += neglected(sample, system) if cost > 0.0 else 0.0
         if patient:
             if not (gap + slack) * unit < report[0] + report[4]:
                 return
-            turn_back(k, wrench, spare)
-        write(k, wrench, force, length, manipulation)
+            turn_back(sample, wrench, spare)
+        write(sample, wrench, force, length, manipulation)
         report[0], report[1] = gap * unit, unit
         report[2], report[3], report[4] = (1.0 - saved) * unit, steps, slack * unit
 
 
 @fused
-def _weighed(k, system, gap, saved):
+def _weighed(sample, system, gap, saved):
     """Return gap, saving and slack of the answer; a trifle that may be rounding is taken back."""
-    fit(k)
-    left = saving(k, ANSWER)
+    fit(sample)
+    left = saving(sample, ANSWER)
     gap += max(saved - left, 0.0)
-    slack = undercut(k, system, left)
+    slack = undercut(sample, system, left)
     if slack < left or left > TRIFLE:
         return gap, left, slack
-    clear(k)
+    clear(sample)
     return gap + left, 0.0, 0.0
 
 
@@ -91,7 +93,7 @@ def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
     system_size = SYSTEM * TABLE_WIDTH
     memory = np.zeros(blocks_size + system_size + 30 + LINE // 8)
     at = (memory.ctypes.data + LINE - 1) // LINE * LINE
-    k, system = (four_at(at), chunks), table_at(at + 8 * blocks_size)
+    sample, system = (four_at(at), chunks), table_at(at + 8 * blocks_size)
     at += 8 * (blocks_size + system_size)
     spare = (
         _uncounted(at, 6),
@@ -103,5 +105,7 @@ def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
     for j in range(applied.shape[0]):
         place = grips[j if grips.shape[0] > 1 else 0]
         wrench, answer = applied[j], manipulation[j]
-        _solve_sample(k, system, spare, wrench, place, w, induced, tolerance, answer, report[j])
+        _solve_sample(
+            sample, system, spare, wrench, place, w, induced, tolerance, answer, report[j]
+        )
     memory[0] = 0.0  # what numba may free it after

@@ -49,27 +49,27 @@ def chunks_for(num_effectors):
 
 
 @fused_inlined
-def num_chunks(k):
+def num_chunks(sample):
     """Chunks of a sample."""
-    return k[1]
+    return sample[1]
 
 
 @fused_inlined
-def num_blocks(k):
+def num_blocks(sample):
     """Blocks in all, those included that only fill the lanes."""
-    return LANES * k[1]
+    return LANES * sample[1]
 
 
 @fused_inlined
-def chunk(k, i):
+def chunk(sample, i):
     """Fields of chunk i, each of four blocks at once."""
-    return after(k[0], WIDTH * i)
+    return after(sample[0], WIDTH * i)
 
 
 @fused_inlined
-def block(k, i):
+def block(sample, i):
     """Fields of block i, each a number."""
-    return lane(chunk(k, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
+    return lane(chunk(sample, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
 
 
 @fused_inlined
@@ -85,11 +85,11 @@ def cone_of(b, c):
 
 
 @fused
-def fill(k, wrench, grips, w, induced, spare):
+def fill(sample, wrench, grips, w, induced, spare):
     """Write the sample's blocks; return its units of force, length and cost."""
     full, grip, frame = spare[0], spare[1], spare[2]
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         for j in range(FIRST_CONE):
             b[j] = 0.0  # the sample before may have left what is not a number
     force, length, longest = _units(wrench, grips, full, grip)
@@ -101,7 +101,7 @@ def fill(k, wrench, grips, w, induced, spare):
             full[r] /= force
             full[r + 3] /= force * length
             grip[r] /= length
-        row, torque = block(k, 2 * i), block(k, 2 * i + 1)
+        row, torque = block(sample, 2 * i), block(sample, 2 * i + 1)
         _fill_force(row, full, grip, frame, wrench.shape[1] == 3, longest / length)
         _fill_torque(torque, full, frame, wrench.shape[1] == 3, least)
         row[PRICE], torque[PRICE] = 1.0 - w, w * length
@@ -110,8 +110,8 @@ def fill(k, wrench, grips, w, induced, spare):
             row[CONES] = 4.0
         cost += row[PRICE] * norm3(row[V], row[V + 1], 0.0) + row[DISC_PRICE] * abs(row[V + 1])
         cost += torque[PRICE] * abs(torque[V])
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         b[PRICE] /= max(cost, TINY)
         b[DISC_PRICE] /= max(cost, TINY)
     return force, length, cost
@@ -230,15 +230,15 @@ def _across(x, y, z, px, py, pz):
 
 
 @fused
-def write(k, wrench, force, length, manipulation):
+def write(sample, wrench, force, length, manipulation):
     """Manipulation wrench h − g of the candidate answer, in its own units and frame."""
     size = wrench.shape[1]
     for i in range(wrench.shape[0]):
         for r in range(size):
             component = 5 if size == 3 and r == 2 else r
-            row, unit = block(k, 2 * i), force
+            row, unit = block(sample, 2 * i), force
             if component > 2:
-                row, unit = block(k, 2 * i + 1), force * length
+                row, unit = block(sample, 2 * i + 1), force * length
             internal = 0.0
             for j in range(3):
                 internal += row[COLUMNS + 6 * j + component] * row[ANSWER + j]

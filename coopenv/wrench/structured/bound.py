@@ -35,11 +35,11 @@ SLACK = 1e-15  # what an answer's own rounding makes it miss from balance of tor
 
 
 @fused
-def shortfall(k, system):
+def shortfall(sample, system):
     """Bound on J(h) − J* from the multipliers and the cones' z."""
     bound = splat(0.0)
-    for i in range(num_chunks(k)):
-        bound += block_shortfall(chunk(k, i), *seen(chunk(k, i), system, NU, i & 1))
+    for i in range(num_chunks(sample)):
+        bound += block_shortfall(chunk(sample, i), *seen(chunk(sample, i), system, NU, i & 1))
     return total(bound)
 
 
@@ -88,11 +88,11 @@ def _defect(a0, a1, a2, b0, b1):
 
 
 @fused
-def saving(k, part):
+def saving(sample, part):
     """J(h) − J(h − g) for g at ``part`` of the blocks, accurate where g is small."""
     saved = splat(0.0)
-    for i in range(num_chunks(k)):
-        saved += block_saving(chunk(k, i), part)
+    for i in range(num_chunks(sample)):
+        saved += block_saving(chunk(sample, i), part)
     return total(saved)
 
 
@@ -114,7 +114,7 @@ def block_saving(b, part):
 
 
 @fused
-def undercut(k, system, saved):
+def undercut(sample, system, saved):
     """Estimate how far below J* an answer's cost may be, as it is right only to rounding.
 
     To miss balance by ε is worth ε‖ν‖, ν being its multipliers: those of force are huge where
@@ -122,27 +122,27 @@ def undercut(k, system, saved):
     could compensate one. To leave a ball by ε is worth ε‖ζ‖. Both are measured, and torque counts
     `SLACK` besides. Never more than all that is saved, since J* ≤ J(h).
     """
-    resultant(k, system, ANSWER, NU_STEP)
+    resultant(sample, system, ANSWER, NU_STEP)
     square, worth = 0.0, 0.0
     for r in range(6):
         worth += abs(system[NU, r] * system[NU_STEP, r])
     for r in range(3, 6):
         square += system[NU, r] * system[NU, r]
     outside = splat(0.0)
-    for i in range(num_chunks(k)):
-        outside += _worth_of_excess(chunk(k, i))
+    for i in range(num_chunks(sample)):
+        outside += _worth_of_excess(chunk(sample, i))
     return min(max(saved, 0.0), SLACK * sqrt(square) + LAG * (worth + total(outside)))
 
 
 @fused
-def neglected(k, system):
+def neglected(sample, system):
     """What the bound would grow by for the vectors that were left as applied for their size.
 
     ½ (‖y‖‖v‖ + y·v) for y = Gᵀν + c v/‖v‖: their ball's term where their cost's is 0.
     """
     bound = splat(0.0)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         y0, y1, y2 = seen(b, system, NU, i & 1)
         length = _length(b[V], b[V + 1], 0.0)
         per_length = 1.0 / larger(length, TINY)

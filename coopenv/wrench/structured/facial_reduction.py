@@ -45,31 +45,31 @@ LAMBDA, SEEING = NU_STEP, STEP  # where λ is kept, and which coordinates see wh
 
 
 @fused
-def fix_immovable(k, system, multiplier):
+def fix_immovable(sample, system, multiplier):
     """Fix what is proved immovable, if anything is; return whether so.
 
     ``multiplier`` is the largest of a ball or disc.
     """
     limit = LARGE * multiplier
-    for i in range(num_blocks(k)):
-        _suspect(block(k, i), limit)
+    for i in range(num_blocks(sample)):
+        _suspect(block(sample, i), limit)
     for r in range(6):
         system[LAMBDA, r] = system[NU, r]
     for _ in range(2):
-        _project(k, system)
+        _project(sample, system)
     size = 0.0
-    for i in range(num_blocks(k)):
-        row = block(k, i)
+    for i in range(num_blocks(sample)):
+        row = block(sample, i)
         for j in range(int(row[FREE])):
             size = max(size, abs(_along(row, system, j)))
     if size <= POSITIVE * limit:
         return False
-    for i in range(num_blocks(k)):
-        if not _proves(block(k, i), system, size):
+    for i in range(num_blocks(sample)):
+        if not _proves(block(sample, i), system, size):
             return False
     fixed = False
-    for i in range(num_blocks(k)):
-        row = block(k, i)
+    for i in range(num_blocks(sample)):
+        row = block(sample, i)
         if row[PENDING] < row[FREE]:
             fixed = True
             row[FREE], row[CONES] = row[PENDING], (2.0 if row[PENDING] > 0.0 else 0.0)
@@ -108,19 +108,19 @@ def _may_differ(row, j):
 
 
 @fused
-def _project(k, system):
+def _project(sample, system):
     """Make λ obey the equations: subtract what is seen by coordinates that must be 0."""
     for r in range(6):
         system[SPARE, r] = system[LAMBDA, r]
-    for i in range(num_blocks(k)):
-        row = block(k, i)
+    for i in range(num_blocks(sample)):
+        row = block(sample, i)
         for j in range(3):
             row[SEEING + j] = 1.0 if j < row[FREE] and not _may_differ(row, j) else 0.0
-    clear_matrix(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
-        add_squares(k, after(b, COLUMNS), 0, b[SEEING], b[SEEING + 1], b[SEEING + 2])
-    collect_matrix(k, system)
+    clear_matrix(sample)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
+        add_squares(sample, after(b, COLUMNS), 0, b[SEEING], b[SEEING + 1], b[SEEING + 2])
+    collect_matrix(sample, system)
     for r in range(6):
         total = 0.0
         for t in range(6):

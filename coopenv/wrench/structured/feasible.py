@@ -14,8 +14,8 @@ from coopenv.wrench.structured.balance import (
 from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chunk, num_chunks
 from coopenv.wrench.structured.bound import NOISE, leaving, products, saving
 from coopenv.wrench.structured.cones import TINY
-from coopenv.wrench.structured.curvature import under_hessian
 from coopenv.wrench.structured.lanes import larger, largest, size, smaller, smallest, splat, where
+from coopenv.wrench.structured.newton import under_hessian
 
 EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
 OWN_EXCESS = 1e-10  # [radii] by which a torque may leave its ball in the end
@@ -25,54 +25,54 @@ BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a 
 
 
 @fused
-def settle(k, system, part, excess, balanced):
+def settle(sample, system, part, excess, balanced):
     """Make the g at ``part`` an answer: balanced, and in every ball; return J(h) − J.
 
     What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
     by shrinking everything towards 0, which keeps the balance: ‖θg‖² ≤ θ g·v.
     """
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         for j in range(3):
             b[ANSWER + j] = b[part + j]
-    missed = _missed(k, system)
+    missed = _missed(sample, system)
     for _ in range(6):
         if missed <= EVENED:
             break
-        _balance(k, system)
-        missed = _missed(k, system)
+        _balance(sample, system)
+        missed = _missed(sample, system)
     if not largest_component(system, NU_STEP) <= balanced:
-        spread_evenly(k, system)
-        if not resultant(k, system, ANSWER, NU_STEP) <= balanced:
+        spread_evenly(sample, system)
+        if not resultant(sample, system, ANSWER, NU_STEP) <= balanced:
             return -np.inf
     room = splat(1.0)
-    for i in range(num_chunks(k)):
-        room = smaller(_room(chunk(k, i), excess), room)
+    for i in range(num_chunks(sample)):
+        room = smaller(_room(chunk(sample, i), excess), room)
     shrink = smallest(room)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         for j in range(3):
             b[ANSWER + j] *= shrink
-    return saving(k, ANSWER)
+    return saving(sample, ANSWER)
 
 
 @fused
-def clear(k):
+def clear(sample):
     """Leave what was applied as the answer."""
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         for j in range(3):
             b[ANSWER + j] = 0.0
 
 
 @fused
-def fit(k):
+def fit(sample):
     """Draw torques of the answer that leave their balls by a part of themselves back into them.
 
     By no more than `EXCESS` or `LOOSE`, which balance hardly notices.
     """
-    for i in range(1, num_chunks(k), 2):
-        b = chunk(k, i)
+    for i in range(1, num_chunks(sample), 2):
+        b = chunk(sample, i)
         inner, square = products(b)
         inner, square = inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER]
         room = _room_of(inner, square, b[RADIUS], OWN_EXCESS * b[RADIUS], TINY)
@@ -81,12 +81,12 @@ def fit(k):
 
 
 @fused
-def _missed(k, system):
+def _missed(sample, system):
     """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
-    resultant(k, system, ANSWER, NU_STEP)
+    resultant(sample, system, ANSWER, NU_STEP)
     force, torque = splat(0.0), splat(0.0)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         own = larger(larger(size(b[ANSWER]), size(b[ANSWER + 1])), size(b[ANSWER + 2]))
         own = where(b[FREE] > 0.0, own, 0.0)
         if i & 1:
@@ -103,11 +103,11 @@ def _missed(k, system):
 
 
 @fused
-def _balance(k, system):
+def _balance(sample, system):
     """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
     solve_system(system)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         x, y, z = under_hessian(b, *seen(b, system, NU_STEP, i & 1))
         b[ANSWER] += x
         b[ANSWER + 1] += y

@@ -1,15 +1,18 @@
-"""Newton steps of the structured solver: work linear in the number of effectors, compiled.
+"""Newton steps of the structured solver, in work linear in the number of effectors; compiled.
 
-Eliminating τ and g from every block leaves one symmetric system in the multipliers ν of balance,
-G g = 0, whatever the number of effectors:
+Eliminating τ and g from every block leaves one symmetric system of 6 equations in the multipliers
+ν of balance, G g = 0:
 
 M dν = r + Σ G H⁻¹ ρ,   M = Σ G H⁻¹ Gᵀ,   H dg = Gᵀdν − ρ,   H = L D Lᵀ of size 3
 
-H is the sum of the curvatures of the block's cones, ρ the residual of stationarity plus the
-cones' right-hand sides, r = −G g. The blocks ``k`` are laid out in `blocks`; every function here
-treats a chunk of four of them at once. A step takes four passes over them, and what is not in the
-processor's cache is fetched as often. That a step misses balance by its rounding does little harm,
-as the next one starts from the r there is; where progress is slow it is refined nevertheless.
+H is the sum of the curvatures of the block's cones in its free coordinates. It is factorised and
+never inverted, since close to the boundary its parts differ by many magnitudes. ρ is the residual
+of stationarity plus the cones' right-hand sides, and r = −G g.
+
+Every function treats a chunk of four blocks at once (`blocks`). A step takes four passes over the
+blocks, since what is not in the processor's cache has to be fetched in every pass. A step misses
+balance by its rounding. That does little harm, as the next step starts from the r there is; where
+progress is slow the step is refined nevertheless.
 """
 
 from math import inf
@@ -18,8 +21,10 @@ from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import (
     BALANCE,
     NU_STEP,
+    SCRATCH,
     SPARE,
     add_resultant,
+    add_squares,
     clear_matrix,
     clear_resultant,
     collect_matrix,
@@ -27,9 +32,13 @@ from coopenv.wrench.structured.balance import (
     factorise_system,
     seen,
     solve_system,
+    sums,
 )
 from coopenv.wrench.structured.blocks import (
+    COLUMNS,
     CONES,
+    FACTOR,
+    FREE,
     RIGHT,
     SEEN,
     STEP,
@@ -45,6 +54,7 @@ from coopenv.wrench.structured.cones import (
     DZ,
     PER_BEND,
     PER_SQUARE,
+    SQUARE,
     Q,
     S,
     W,
@@ -53,47 +63,106 @@ from coopenv.wrench.structured.cones import (
     dual_step,
     longest_step,
     product,
+    scale,
 )
-from coopenv.wrench.structured.curvature import factorise_block, under_hessian
-from coopenv.wrench.structured.lanes import smaller, smallest, splat, total, where
+from coopenv.wrench.structured.lanes import larger, smaller, smallest, splat, total, where
+from coopenv.wrench.structured.memory import after
 
 REGULAR = 1e-14  # added to the pivots of M, relative to its diagonal
+FLOOR = 1e-15  # least pivot of H, relative to its diagonal
 
 
 @fused
-def predict(k, system):
+def predict(sample, system):
     """Factorise and step towards the boundary; return `_move`'s lengths and products."""
-    clear_matrix(k)
-    clear_resultant(k)
-    for i in range(num_chunks(k)):
-        factorise_block(k, i)
-        _load(k, i)
-    collect_matrix(k, system)
+    clear_matrix(sample)
+    clear_resultant(sample)
+    for i in range(num_chunks(sample)):
+        _factorise_block(sample, i)
+        _load(sample, i)
+    collect_matrix(sample, system)
     for r in range(6):
         system[r, r] *= 1.0 + REGULAR
     factorise_system(system)
-    return _move(k, system, False)
+    return _move(sample, system, False)
 
 
 @fused
-def improve(k, system, target, refined):
+def improve(sample, system, target, refined):
     """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
-    clear_resultant(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    clear_resultant(sample)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         for c in range(num_cones(b)):
             correct(cone_of(b, c), target, b[CONES] > c)
-        _load(k, i)
-    return _move(k, system, refined)
+        _load(sample, i)
+    return _move(sample, system, refined)
+
+
+@fused
+def _factorise_block(sample, i):
+    """Scale the cones, factorise H, carry G through L, add G H⁻¹ Gᵀ to M (lower triangle)."""
+    b = chunk(sample, i)
+    for c in range(num_cones(b)):
+        cone = cone_of(b, c)
+        scale(cone)
+        for r in range(4):
+            cone[Q + r] = where(b[CONES] > c, -cone[Z + r], 0.0)
+    h00, h01, h02, h11, h12, h22 = _hessian(b)
+    several, all_three = b[FREE] > 1.0, b[FREE] > 2.0
+    p0 = where(b[FREE] > 0.0, 1.0 / h00, 0.0)
+    l10 = where(several, h01 * p0, 0.0)
+    p1 = where(several, 1.0 / larger(h11 - l10 * h01, FLOOR * h11), 0.0)
+    l20 = where(all_three, h02 * p0, 0.0)
+    bend = h12 - l20 * h01
+    l21 = where(all_three, bend * p1, 0.0)
+    p2 = where(all_three, 1.0 / larger(h22 - l20 * h02 - l21 * bend, FLOOR * h22), 0.0)
+    b[FACTOR], b[FACTOR + 1], b[FACTOR + 2] = l10, l20, l21
+    b[FACTOR + 3], b[FACTOR + 4], b[FACTOR + 5] = p0, p1, p2
+    carried = after(sums(sample), SCRATCH)
+    for r in range(3 * (i & 1), 6):
+        a0, a1, a2 = b[COLUMNS + r], b[COLUMNS + 6 + r], b[COLUMNS + 12 + r]
+        a1 -= l10 * a0
+        carried[r], carried[6 + r], carried[12 + r] = a0, a1, a2 - l20 * a0 - l21 * a1
+    add_squares(sample, carried, 3 * (i & 1), p0, p1, p2)
 
 
 @fused_inlined
-def _load(k, i):
+def _hessian(b):
+    """Upper triangle of H: the sum of the cones' curvatures, τ eliminated."""
+    zero = splat(0.0)
+    h00, h01, h02, h11, h12, h22 = zero, zero, zero, zero, zero, zero
+    for c in range(num_cones(b)):
+        cone = cone_of(b, c)
+        w1, w2, w3 = cone[W + 1], cone[W + 2], cone[W + 3]
+        square = where(b[CONES] > c, cone[SQUARE], 0.0)
+        bend = square * (splat(2.0) if c == 1 or c == 2 else -2.0 * cone[PER_BEND])
+        if c < 2:
+            h00 += square + bend * w1 * w1
+            h01 += bend * w1 * w2
+            h02 += bend * w1 * w3
+        h11 += square + bend * w2 * w2
+        h12 += bend * w2 * w3
+        h22 += square + bend * w3 * w3
+    return h00, h01, h02, h11, h12, h22
+
+
+@fused_inlined
+def under_hessian(b, y0, y1, y2):
+    """H⁻¹ y."""
+    y1 -= b[FACTOR] * y0
+    y2 = (y2 - b[FACTOR + 1] * y0 - b[FACTOR + 2] * y1) * b[FACTOR + 5]
+    y1 = y1 * b[FACTOR + 4] - b[FACTOR + 2] * y2
+    return y0 * b[FACTOR + 3] - b[FACTOR] * y1 - b[FACTOR + 1] * y2, y1, y2
+
+
+@fused_inlined
+def _load(sample, i):
     """Take ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to the resultant.
 
     ρ = Σ ± (z_1 + q_1 [+ 2 w_0 w_1 q_0 / (2 w_0² − 1), costs only, for their τ]) − Gᵀν
     """
-    b = chunk(k, i)
+    b = chunk(sample, i)
     y0, y1, y2 = -b[SEEN], -b[SEEN + 1], -b[SEEN + 2]
     for c in range(num_cones(b)):
         cone = cone_of(b, c)
@@ -106,11 +175,11 @@ def _load(k, i):
         y2 += sign * (cone[Z + 3] + cone[Q + 3] + more * cone[W + 3])
     b[RIGHT], b[RIGHT + 1], b[RIGHT + 2] = y0, y1, y2
     x, y, z = under_hessian(b, y0, y1, y2)
-    add_resultant(k, i, x, y, z)
+    add_resultant(sample, i, x, y, z)
 
 
 @fused
-def _move(k, system, refined):
+def _move(sample, system, refined):
     """Solve for dν and write dg, ds and dz of every block.
 
     Returns the longest steps that keep every s and every z in its cone, Σ ds·z, Σ s·dz, and
@@ -118,15 +187,15 @@ def _move(k, system, refined):
     """
     for r in range(6):
         system[NU_STEP, r] = system[BALANCE, r]
-    collect_resultant(k, system, NU_STEP, 1.0)
+    collect_resultant(sample, system, NU_STEP, 1.0)
     solve_system(system)
     if refined:
-        _refine(k, system)
+        _refine(sample, system)
     load = 0.0 if refined else 1.0
     primal, dual = splat(inf), splat(inf)
     moved, dual_moved, both = splat(0.0), splat(0.0), splat(0.0)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
         y0, y1, y2 = y0 - load * b[RIGHT], y1 - load * b[RIGHT + 1], y2 - load * b[RIGHT + 2]
         x, y, z = under_hessian(b, y0, y1, y2)
@@ -148,21 +217,21 @@ def _move(k, system, refined):
 
 
 @fused
-def _refine(k, system):
+def _refine(sample, system):
     """Write dg and solve once more for what it misses of balance, Σ G dg = r.
 
     dν of the first time goes to a spare row.
     """
-    clear_resultant(k)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    clear_resultant(sample)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         y0, y1, y2 = seen(b, system, NU_STEP, i & 1)
         x, y, z = under_hessian(b, y0 - b[RIGHT], y1 - b[RIGHT + 1], y2 - b[RIGHT + 2])
         b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
-        add_resultant(k, i, x, y, z)
+        add_resultant(sample, i, x, y, z)
     for r in range(6):
         system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
-    collect_resultant(k, system, NU_STEP, -1.0)
+    collect_resultant(sample, system, NU_STEP, -1.0)
     solve_system(system)
 
 

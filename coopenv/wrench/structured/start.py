@@ -23,7 +23,7 @@ EVEN = 0.5  # s·z of a ball at the start, in mean costs of a force or torque
 
 
 @fused
-def start(k, system):
+def start(sample, system):
     """Begin in the middle of every ball, with multipliers that need no balance.
 
     s·z of a ball is the same for all, lest a tiny force hold up the others.
@@ -31,14 +31,14 @@ def start(k, system):
     costs, number = splat(0.0), splat(0.0)
     for r in range(6):
         system[NU, r] = 0.0
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         free = b[FREE] > 0.0
         costs += where(free, b[PRICE] * _length(b[V], b[V + 1]), 0.0)
         number += where(free, splat(1.0), 0.0)
     target = EVEN * total(costs) / max(total(number), 1.0)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         for j in range(3):
             b[G + j] = where(b[FREE] > j, 0.5 * b[V + j], 0.0)
             b[REST + j] = b[V + j] - b[G + j]

@@ -41,7 +41,7 @@ from coopenv.wrench.structured.lanes import larger, largest, size, splat, total,
 
 
 @fused
-def measure(k, system, primal, dual):
+def take(sample, system, primal, dual):
     """Take a step of these lengths and see where it led, in one pass; r and Gᵀν are written.
 
     Returns the bound on J(h) − J*, J(h) − J, the mean of s·z, and the largest multiplier of a ball
@@ -50,11 +50,11 @@ def measure(k, system, primal, dual):
     for r in range(6):
         system[NU, r] += dual * system[NU_STEP, r] if dual > 0.0 else 0.0
         system[BALANCE, r] = 0.0
-    clear_resultant(k)
+    clear_resultant(sample)
     bound, saved, products = splat(0.0), splat(0.0), splat(0.0)
     number, multiplier = splat(0.0), splat(0.0)
-    for i in range(num_chunks(k)):
-        b = chunk(k, i)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
         if primal > 0.0 or dual > 0.0:
             _advance_block(b, primal, dual)
         for c in range(num_cones(b)):
@@ -68,8 +68,8 @@ def measure(k, system, primal, dual):
         bound += block_shortfall(b, y0, y1, y2)
         saved += block_saving(b, G)
         number += b[CONES]
-        add_resultant(k, i, b[G], b[G + 1], b[G + 2])
-    collect_resultant(k, system, BALANCE, -1.0)
+        add_resultant(sample, i, b[G], b[G + 1], b[G + 2])
+    collect_resultant(sample, system, BALANCE, -1.0)
     mean = total(products) / max(total(number), 1.0)
     return total(bound), total(saved), mean, largest(multiplier)
 
