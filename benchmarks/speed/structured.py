@@ -97,7 +97,7 @@ def _timed(run: Callable[[], Any]) -> float:
 def _structured(applied: FloatArray, grips: FloatArray) -> tuple[float, float]:
     """Seconds a sample on one thread, and iterations."""
     manipulation, report = np.empty_like(applied), np.empty((len(applied), 5))
-    arguments = (applied, grips[None].copy(), 0.5, 0.0, structured.TOLERANCE, manipulation, report)
+    arguments = (applied, grips[None].copy(), 0.5, 0.0, structured.WANTED_GAP, manipulation, report)
     solve_batch(*arguments)
     seconds = _timed(lambda: solve_batch(*arguments))
     return seconds / len(applied), float(report[:, 3].mean())
@@ -158,7 +158,7 @@ def _doubts() -> list[list[str]]:
                 doubt.append(d.gap / np.maximum(d.applied_cost, 1e-300))
                 fell_back.append(d.fell_back)
         bound, back = np.concatenate(doubt), np.concatenate(fell_back)
-        share = f"{(bound > structured.ACCEPTED).mean():.2%}"
+        share = f"{(bound > structured.ACCEPTED_GAP).mean():.2%}"
         rows.append([name, f"{len(bound):,}", share, f"{back.mean():.2%}", f"{bound.max():.0e}"])
     return rows
 

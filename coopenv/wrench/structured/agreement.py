@@ -8,7 +8,7 @@ begin next to it.
 
 from math import sqrt
 
-from coopenv.compiled import fused
+from coopenv.compiled import TINY, fused
 from coopenv.wrench.structured.balance import NU, NU_STEP
 from coopenv.wrench.structured.blocks import (
     ANSWER,
@@ -27,17 +27,8 @@ from coopenv.wrench.structured.blocks import (
     num_blocks,
 )
 from coopenv.wrench.structured.bound import saving, shortfall
-from coopenv.wrench.structured.cones import (
-    CONE,
-    DET_S,
-    DET_Z,
-    ERROR_S,
-    ERROR_Z,
-    ROUNDING,
-    TINY,
-    S,
-    Z,
-)
+from coopenv.wrench.structured.cones import CONE, DET_S, DET_Z, ERROR_S, ERROR_Z, S, Z
+from coopenv.wrench.structured.tolerances import ROUNDING
 
 
 @fused

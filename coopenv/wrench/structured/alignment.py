@@ -7,7 +7,8 @@ about it. About the centre of mass that is a difference of large numbers.
 """
 
 from coopenv.compiled import fused
-from coopenv.wrench.structured.blocks import COLUMNS, NEGLIGIBLE, block, norm3, set_frame
+from coopenv.wrench.structured.blocks import COLUMNS, block, norm3, set_frame
+from coopenv.wrench.structured.tolerances import NEGLIGIBLE
 
 POWERS = 3  # of the grips' scatter, to find their line
 

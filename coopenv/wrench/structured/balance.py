@@ -9,11 +9,10 @@ from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.blocks import ANSWER, COLUMNS, FREE, RADIUS, chunk, num_chunks
 from coopenv.wrench.structured.lanes import total, where
 from coopenv.wrench.structured.memory import TABLE_WIDTH, after
+from coopenv.wrench.structured.tolerances import DEAD_PIVOT, VOID_PIVOT
 
 ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
 SYSTEM = 11  # rows in all
-DEAD = 1e-11  # pivot of Σ G Gᵀ, relative to its diagonal, below which a resultant cannot be made
-VOID = 1e-26  # the same, relative to the largest
 RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # place of sums of forces and torques, behind the matrix'
 SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks lest memory be written
 
@@ -165,7 +164,7 @@ def find_pivots(system):
         system[ALIVE, r] = system[r, r]
         largest = max(largest, system[r, r])
     for r in range(6):
-        least = max(DEAD * system[ALIVE, r], VOID * largest)
+        least = max(DEAD_PIVOT * system[ALIVE, r], VOID_PIVOT * largest)
         system[ALIVE, r] = 1.0 if system[r, r] > least else 0.0
         _eliminate(system, r)
 

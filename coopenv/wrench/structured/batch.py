@@ -15,10 +15,9 @@ from coopenv.wrench.structured.feasible import clear, fit
 from coopenv.wrench.structured.interior_point import solve
 from coopenv.wrench.structured.lanes import LANES, in_llvm
 from coopenv.wrench.structured.memory import TABLE_WIDTH, four_at, table_at
+from coopenv.wrench.structured.tolerances import RETRIED_GAP, TRIFLE
 
 LINE = 64  # bytes to which memory is aligned
-TRIFLE = 1e-5  # part of J(h) that is not called internal if all of it may be rounding
-WANTED = 1e-8  # gap, relative to J(h), above which a second attempt is made
 
 
 @fused
@@ -28,7 +27,7 @@ def _solve_sample(
     """Answer a sample; where that is not certified, try again with patience and keep the better."""
     report[0], report[1], report[4] = np.inf, 0.0, 0.0
     for patient in (False, True):
-        if not report[0] > max(WANTED, tolerance) * report[1]:
+        if not report[0] > max(RETRIED_GAP, tolerance) * report[1]:
             return
         force, length, cost = fill(sample, wrench, grips, w, induced, spare)
         steps, gap = 0, 0.0

@@ -17,10 +17,11 @@ has fewer, blocks without free coordinates fill the lanes.
 
 from math import sqrt
 
-from coopenv.compiled import fused, fused_inlined
-from coopenv.wrench.structured.cones import CONE, TINY
+from coopenv.compiled import TINY, fused, fused_inlined
+from coopenv.wrench.structured.cones import CONE
 from coopenv.wrench.structured.lanes import LANES, largest
 from coopenv.wrench.structured.memory import after, lane
+from coopenv.wrench.structured.tolerances import CHEAP, NEGLIGIBLE, NEGLIGIBLE_DEAR, RADIAL
 
 FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
 V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg
@@ -30,10 +31,6 @@ PENDING = 41  # see `faces`
 SEEN, RIGHT, FACTOR = 42, 45, 48  # Gᵀν, ρ, L D Lᵀ, see `newton`
 FIRST_CONE = 54
 WIDTH = FIRST_CONE + 4 * CONE
-
-NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
-LEAST, CHEAP = 1e-14, 1e-9  # the same for torques that cost more than this part of a force
-RADIAL = 1e-11  # sine of the angle to its lever below which a force counts as along it
 
 
 @fused_inlined
@@ -94,7 +91,7 @@ def fill(sample, wrench, grips, w, induced, spare):
             b[j] = 0.0  # the sample before may have left what is not a number
     force, length, longest = _units(wrench, grips, full, grip)
     cost = 0.0
-    least = max(LEAST, min(NEGLIGIBLE, CHEAP * (1.0 - w) / (w * length)))
+    least = max(NEGLIGIBLE_DEAR, min(NEGLIGIBLE, CHEAP * (1.0 - w) / (w * length)))
     for i in range(wrench.shape[0]):
         _spread(wrench, grips, i, full, grip)
         for r in range(3):

@@ -10,14 +10,13 @@ by weak duality; every term is ≥ 0 and is evaluated without cancellation. Cost
 
 from math import sqrt
 
-from coopenv.compiled import fused, fused_inlined
+from coopenv.compiled import TINY, fused, fused_inlined
 from coopenv.wrench.structured.balance import NU, NU_STEP, resultant, seen
 from coopenv.wrench.structured.blocks import (
     ANSWER,
     CONES,
     DISC_PRICE,
     FREE,
-    NEGLIGIBLE,
     PRICE,
     RADIUS,
     V,
@@ -26,12 +25,9 @@ from coopenv.wrench.structured.blocks import (
     num_chunks,
     num_cones,
 )
-from coopenv.wrench.structured.cones import TINY, Z
+from coopenv.wrench.structured.cones import Z
 from coopenv.wrench.structured.lanes import larger, largest, root, size, splat, total, where
-
-NOISE = 1e-28  # square of an internal part that may point anywhere
-LAG = 4.0  # by which multipliers may still grow
-SLACK = 1e-15  # what an answer's own rounding makes it miss from balance of torque
+from coopenv.wrench.structured.tolerances import MULTIPLIER_GROWTH, NEGLIGIBLE, TORQUE_ROUNDING
 
 
 @fused
@@ -120,7 +116,7 @@ def undercut(sample, system, saved):
     To miss balance by ε is worth ε‖ν‖, ν being its multipliers: those of force are huge where
     forces nearly agree, those of torque where levers are long or where only a very short lever
     could compensate one. To leave a ball by ε is worth ε‖ζ‖. Both are measured, and torque counts
-    `SLACK` besides. Never more than all that is saved, since J* ≤ J(h).
+    `TORQUE_ROUNDING` besides. Never more than all that is saved, since J* ≤ J(h).
     """
     resultant(sample, system, ANSWER, NU_STEP)
     square, worth = 0.0, 0.0
@@ -131,7 +127,10 @@ def undercut(sample, system, saved):
     outside = splat(0.0)
     for i in range(num_chunks(sample)):
         outside += _worth_of_excess(chunk(sample, i))
-    return min(max(saved, 0.0), SLACK * sqrt(square) + LAG * (worth + total(outside)))
+    return min(
+        max(saved, 0.0),
+        TORQUE_ROUNDING * sqrt(square) + MULTIPLIER_GROWTH * (worth + total(outside)),
+    )
 
 
 @fused

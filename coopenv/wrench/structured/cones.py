@@ -12,6 +12,7 @@ import numpy as np
 
 from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.lanes import larger, root, some, splat, where
+from coopenv.wrench.structured.tolerances import CANCELLED, ROUNDING
 
 S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # fields: the pair, scaling, right-hand side, steps
 DET_S, DET_Z, ERROR_S, ERROR_Z = 24, 25, 26, 27
@@ -19,9 +20,6 @@ LAMBDA = 28  # W⁻¹ s = W z, with a det of 1
 PER_LAMBDA, PER_HEAD, PER_BEND = 32, 33, 34  # 1/λ_0, 1/(1 + w_0), 1/(2 w_0² − 1)
 PER_S, SQUARE, PER_SQUARE, INNER = 35, 36, 37, 38  # 1/√det s, 1/η², η², s·z
 CONE = 39  # fields of a cone
-ROUNDING = 4e-16  # of a product of vectors, relative
-CANCELLED = 1e-3  # s·z, relative to s_0 z_0, below which it is not taken from the components
-TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
 
 @fused_inlined
@@ -125,7 +123,7 @@ def dual_step(cone):
 
 
 @fused_inlined
-def correct(cone, target, present):
+def write_corrector(cone, target, present):
     """Write the second-order corrector's right-hand side; 0 where there is no such cone.
 
     q = −z + target·s⁻¹ + W⁻¹(u + λ∖(u∘u)),  u = W⁻¹ds (the predictor's),  λ = W⁻¹s

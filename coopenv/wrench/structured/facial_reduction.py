@@ -37,10 +37,8 @@ from coopenv.wrench.structured.blocks import (
 )
 from coopenv.wrench.structured.cones import CONE, Z
 from coopenv.wrench.structured.memory import after
+from coopenv.wrench.structured.tolerances import PROOF_ERROR, PROOF_POSITIVE, SUSPECT_SHARE
 
-LARGE = 0.03  # of the largest multiplier: one that may belong to λ
-EXACT = 1e-13  # relative error up to which the equations hold
-POSITIVE = 1e-6  # μ v, relative to the largest, from which on a part is fixed
 LAMBDA, SEEING = NU_STEP, STEP  # where λ is kept, and which coordinates see what must be 0
 
 
@@ -50,7 +48,7 @@ def fix_immovable(sample, system, multiplier):
 
     ``multiplier`` is the largest of a ball or disc.
     """
-    limit = LARGE * multiplier
+    limit = SUSPECT_SHARE * multiplier
     for i in range(num_blocks(sample)):
         _suspect(block(sample, i), limit)
     for r in range(6):
@@ -62,7 +60,7 @@ def fix_immovable(sample, system, multiplier):
         row = block(sample, i)
         for j in range(int(row[FREE])):
             size = max(size, abs(_along(row, system, j)))
-    if size <= POSITIVE * limit:
+    if size <= PROOF_POSITIVE * limit:
         return False
     for i in range(num_blocks(sample)):
         if not _proves(block(sample, i), system, size):
@@ -104,7 +102,7 @@ def _may_differ(row, j):
         return False
     if row[CONES] == 2.0:
         return j == 0
-    return j == 1 or (j == 0 and row[PENDING] == 0.0 and abs(row[V]) > EXACT)
+    return j == 1 or (j == 0 and row[PENDING] == 0.0 and abs(row[V]) > PROOF_ERROR)
 
 
 @fused
@@ -136,21 +134,21 @@ def _project(sample, system):
 def _proves(row, system, size):
     """Whether λ obeys a block's equations with μ ≥ 0; settle what of the proposal has μ > 0."""
     for j in range(int(row[FREE])):
-        if not _may_differ(row, j) and abs(_along(row, system, j)) > EXACT * size:
+        if not _may_differ(row, j) and abs(_along(row, system, j)) > PROOF_ERROR * size:
             return False
     if row[PENDING] == row[FREE]:
         return True
     w0, w1 = _along(row, system, 0), 0.0
     if row[CONES] == 2.0:
-        return w0 * row[V] > POSITIVE * size * abs(row[V])
+        return w0 * row[V] > PROOF_POSITIVE * size * abs(row[V])
     w1 = _along(row, system, 1)
-    ball = w0 / row[V] if abs(row[V]) > EXACT else 0.0
+    ball = w0 / row[V] if abs(row[V]) > PROOF_ERROR else 0.0
     disc = w1 / row[V + 1] - ball
     length = norm3(row[V], row[V + 1], 0.0)
-    if min(ball, disc) * length < -EXACT * size:
+    if min(ball, disc) * length < -PROOF_ERROR * size:
         return False
-    if ball * length > POSITIVE * size or abs(row[V]) <= EXACT:
+    if ball * length > PROOF_POSITIVE * size or abs(row[V]) <= PROOF_ERROR:
         row[PENDING] = 0.0
     elif row[PENDING] == 0.0:
         return False
-    return max(ball, disc) * length > POSITIVE * size
+    return max(ball, disc) * length > PROOF_POSITIVE * size

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coopenv.compiled import fused, fused_inlined
+from coopenv.compiled import TINY, fused, fused_inlined
 from coopenv.wrench.structured.balance import (
     NU_STEP,
     largest_component,
@@ -12,16 +12,14 @@ from coopenv.wrench.structured.balance import (
     spread_evenly,
 )
 from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chunk, num_chunks
-from coopenv.wrench.structured.bound import NOISE, leaving, products, saving
-from coopenv.wrench.structured.cones import TINY
+from coopenv.wrench.structured.bound import leaving, products, saving
 from coopenv.wrench.structured.lanes import larger, largest, size, smaller, smallest, splat, where
 from coopenv.wrench.structured.newton import under_hessian
-
-EXCESS = 1e-16  # [units of the sample] by which an answer may leave a ball
-OWN_EXCESS = 1e-10  # [radii] by which a torque may leave its ball in the end
-LOOSE = 1e-12  # the same for the last resort; √ of it may be gained in cost
-EVENED = 1e-15  # resultant of g, in parts of its largest, up to which it is not corrected
-BALANCED, EVENLY = 1e-13, 2e-15  # largest resultant of an answer's g, and of a patient one's
+from coopenv.wrench.structured.tolerances import (
+    BALANCE_ROUNDING,
+    NO_DIRECTION,
+    TORQUE_EXCESS,
+)
 
 
 @fused
@@ -37,7 +35,7 @@ def settle(sample, system, part, excess, balanced):
             b[ANSWER + j] = b[part + j]
     missed = _missed(sample, system)
     for _ in range(6):
-        if missed <= EVENED:
+        if missed <= BALANCE_ROUNDING:
             break
         _balance(sample, system)
         missed = _missed(sample, system)
@@ -69,13 +67,13 @@ def clear(sample):
 def fit(sample):
     """Draw torques of the answer that leave their balls by a part of themselves back into them.
 
-    By no more than `EXCESS` or `LOOSE`, which balance hardly notices.
+    By no more than `EXCESS` or `LOOSE_EXCESS`, which balance hardly notices.
     """
     for i in range(1, num_chunks(sample), 2):
         b = chunk(sample, i)
         inner, square = products(b)
         inner, square = inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER]
-        room = _room_of(inner, square, b[RADIUS], OWN_EXCESS * b[RADIUS], TINY)
+        room = _room_of(inner, square, b[RADIUS], TORQUE_EXCESS * b[RADIUS], TINY)
         for j in range(3):
             b[ANSWER + j] *= room
 
@@ -119,8 +117,8 @@ def _room(b, excess):
     """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
     inner, square = products(b)
     whole = square + b[ANSWER] * b[ANSWER]
-    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess, NOISE)
-    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess, NOISE)
+    room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess, NO_DIRECTION)
+    in_disc = _room_of(inner, square, 0.5 * size(b[V + 1]), excess, NO_DIRECTION)
     return smaller(room, where(b[CONES] > 2.0, in_disc, 1.0))
 
 

@@ -1,6 +1,11 @@
-"""The iterations of the structured solver: Mehrotra's predictor and corrector, compiled."""
+"""Primal-dual interior-point iterations of the structured solver; compiled.
 
-from math import sqrt
+Mehrotra's predictor and corrector (`newton`). Three kinds of iterations take more care: *slow* ones
+refine their step, *careful* ones also aim lower and stop farther from the boundary, and *patient*
+ones, those of a second attempt, stay central.
+
+Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", 1992.
+"""
 
 import numpy as np
 
@@ -9,81 +14,116 @@ from coopenv.wrench.structured.agreement import certify, disagreement, share_tor
 from coopenv.wrench.structured.balance import BALANCE, largest_component, mark_alive
 from coopenv.wrench.structured.blocks import ANSWER, CONES, KEPT, G, chunk, num_chunks
 from coopenv.wrench.structured.facial_reduction import fix_immovable
-from coopenv.wrench.structured.feasible import BALANCED, EVENLY, EXCESS, LOOSE, clear, settle
+from coopenv.wrench.structured.feasible import clear, settle
 from coopenv.wrench.structured.lanes import splat, total
-from coopenv.wrench.structured.newton import improve, predict
+from coopenv.wrench.structured.newton import correct, predict
 from coopenv.wrench.structured.start import start
 from coopenv.wrench.structured.step import take
-
-PARALLEL = 1e-12  # sine of the angle below which forces count as parallel
-THIN = 0.05  # sine below which they nearly agree
-CLOSE = 1e-4  # sine below which the feasible set is so thin that careful steps pay
-LARGE = 10.0  # multiplier of a ball from which on one looks for what cannot move
-LONG, MORE = 16, 50  # iterations that few samples need, and chunks for which they need one more
-MAX_STEPS = 80
-PATIENCE = 10  # iterations without progress
-CENTRED, SHORT = 0.1, 0.8  # what patient steps at least leave of s·z, and how far they go
-GOOD = 1e-9  # gap, relative to J(h), of an answer that need not be better
-WORTH, IDLE = 0.3, 2  # such an answer is made better until one more iteration than this leaves more
-PROMISING = 1e-6  # gap of an iterate that is worth making an answer of
-NEAR = 1e-7  # the same where the steps are likely to go well
-DOUBTFUL = 1e-8  # gap of the answer kept from which on the last iterate is tried as well
-STUCK = 1e-6  # step length that is none
+from coopenv.wrench.structured.tolerances import (
+    BALANCED,
+    BALANCED_PATIENT,
+    CAREFUL_REACH,
+    CAREFUL_REACH_LOSS,
+    CHUNKS_PER_ITERATION,
+    CLOSE,
+    DOUBTFUL_GAP,
+    EXCESS,
+    GOOD_GAP,
+    IDLE,
+    LONGEST_REACH,
+    LOOSE_EXCESS,
+    LOOSE_GAIN,
+    MAX_IDLE,
+    MAX_ITERATIONS,
+    MAX_STALLED,
+    NO_STEP,
+    PARALLEL,
+    PATIENT_CENTRING,
+    PATIENT_REACH,
+    PROMISING_GAP,
+    PROMISING_GAP_OF_LONG_STEPS,
+    REACH,
+    REACH_LOSS,
+    STALLED,
+    SUSPECT_GROWTH,
+    SUSPECT_MULTIPLIER,
+    THIN,
+    USUAL_ITERATIONS,
+)
 
 
 @fused
 def solve(sample, system, tolerance, patient):
-    """Leave the best answer found in the blocks; return the iterations and its gap.
+    """Leave the best answer found in the blocks; return the number of iterations and its gap.
 
-    The gap is relative to J(h). Iterating stops once it is within the tolerance, or once it is
-    `GOOD` and hardly falls any more. Patient iterations are three times as many and reach a thin
-    set from far outside, where others meet a ball before they are balanced and stay there.
+    Gaps and savings are relative to J(h). Iterating stops once the gap is within the tolerance, or
+    once it is within `GOOD_GAP` and hardly falls any more. Patient iterations are up to three times
+    as many. They reach a thin set from far outside, where others meet a ball before they are
+    balanced and stay there.
     """
+    # where forces agree, share the torques
     mark_alive(sample, system)
     sine = disagreement(sample, system)
-    shared = np.inf
+    gap_shared = np.inf
     if sine < THIN:
-        shared = certify(sample, system, sine)
-        if shared <= GOOD or sine <= PARALLEL:
-            return 0, shared
+        gap_shared = certify(sample, system, sine)
+        if gap_shared <= GOOD_GAP or sine <= PARALLEL:
+            return 0, gap_shared
+
+    # start
     start(sample, system)
     if sine < THIN:
         start_near(sample, system, sine)
-    newest, saved, now, multiplier = take(sample, system, 0.0, 0.0)
-    bound, best, stalled, step, began, large = np.inf, np.inf, 0, 0, 0, LARGE
-    kept, gap, idle = -np.inf, np.inf, 0
-    balanced = EVENLY if patient else BALANCED
-    for step in range(MAX_STEPS):
+    newest, saved, mean, multiplier = take(sample, system, 0.0, 0.0)
+    bound, kept, gap = np.inf, -np.inf, np.inf
+    least, stalled, idle, began, suspicious = np.inf, 0, 0, 0, SUSPECT_MULTIPLIER
+    balanced = BALANCED_PATIENT if patient else BALANCED
+    iteration = 0
+    for iteration in range(MAX_ITERATIONS):
+        # bound what can be saved
         bound = min(bound, newest)
-        if bound <= GOOD:
+        if bound <= GOOD_GAP:
             break
-        slow = stalled > 0 or step >= LONG + num_chunks(sample) // MORE
+
+        # keep the best answer, and stop where it is good enough
+        slow = stalled > 0 or (
+            iteration >= USUAL_ITERATIONS + num_chunks(sample) // CHUNKS_PER_ITERATION
+        )
         careful = patient or slow or sine < CLOSE
-        if step > began and bound - saved <= (PROMISING if careful else NEAR):
+        promising = PROMISING_GAP if careful else PROMISING_GAP_OF_LONG_STEPS
+        if iteration > began and bound - saved <= promising:
             kept = _keep(sample, settle(sample, system, G, EXCESS, balanced), kept)
-            idle = idle + 1 if bound - kept > WORTH * gap else 0
+            idle = idle + 1 if bound - kept > IDLE * gap else 0
             gap = min(gap, bound - kept)
-            if gap <= tolerance or (gap <= GOOD and idle > IDLE):
+            if gap <= tolerance or (gap <= GOOD_GAP and idle > MAX_IDLE):
                 break
-        progress = largest_component(system, BALANCE) + now
-        stalled = 0 if progress < 0.9 * best else stalled + 1
-        best = min(best, progress)
-        if stalled > PATIENCE and not patient:
+
+        # stop where there is no progress
+        residual = largest_component(system, BALANCE) + mean
+        stalled = 0 if residual < STALLED * least else stalled + 1
+        least = min(least, residual)
+        if stalled > MAX_STALLED and not patient:
             break
-        primal, dual = _step(sample, system, now, slow, careful, patient)
-        if not (primal > STUCK or dual > STUCK):  # also where they are not numbers
+
+        # predict, correct and take the step
+        primal, dual = _find_step(sample, system, mean, slow, careful, patient)
+        if not (primal > NO_STEP or dual > NO_STEP):  # also where they are not numbers
             break
-        newest, saved, now, multiplier = take(sample, system, primal, dual)
-        if multiplier > large and gap > GOOD:
-            large = 4.0 * multiplier
+        newest, saved, mean, multiplier = take(sample, system, primal, dual)
+
+        # where a multiplier grows without end, fix what cannot move and start afresh
+        if multiplier > suspicious and gap > GOOD_GAP:
+            suspicious = SUSPECT_GROWTH * multiplier
             fixed = fix_immovable(sample, system, multiplier)
             mark_alive(sample, system)
             if fixed:
                 start(sample, system)
-                newest, saved, now, multiplier = take(sample, system, 0.0, 0.0)
-                bound, shared, best, kept = np.inf, np.inf, np.inf, -np.inf
-                stalled, began, large = 0, step + 1, LARGE
-    return step, _best_answer(sample, system, bound, shared, kept, step > began, balanced)
+                newest, saved, mean, multiplier = take(sample, system, 0.0, 0.0)
+                bound, kept, gap_shared = np.inf, -np.inf, np.inf
+                least, stalled, began = np.inf, 0, iteration + 1
+                suspicious = SUSPECT_MULTIPLIER
+    iterated = iteration > began
+    return iteration, _best_answer(sample, system, bound, gap_shared, kept, iterated, balanced)
 
 
 @fused
@@ -99,48 +139,51 @@ def _keep(sample, saved, kept):
 
 
 @fused
-def _best_answer(sample, system, bound, shared, kept, iterated, balanced):
-    """Leave the cheapest answer at hand: settled, shared, or as applied; return its gap."""
-    if iterated and bound - kept > min(DOUBTFUL, bound):
+def _best_answer(sample, system, bound, gap_shared, kept, iterated, balanced):
+    """Leave the cheapest answer at hand: kept, shared, or as applied; return its gap."""
+    if iterated and bound - kept > min(DOUBTFUL_GAP, bound):
         kept = _keep(sample, settle(sample, system, G, EXCESS, balanced), kept)
-        loose = settle(sample, system, G, LOOSE, balanced) - 10.0 * sqrt(LOOSE)
-        if bound - kept > 10.0 * sqrt(LOOSE):
+        loose = settle(sample, system, G, LOOSE_EXCESS, balanced) - LOOSE_GAIN
+        if bound - kept > LOOSE_GAIN:
             kept = _keep(sample, loose, kept)
-    if bound - kept <= min(shared, bound):
+    if bound - kept <= min(gap_shared, bound):
         for i in range(num_chunks(sample)):
             b = chunk(sample, i)
             for j in range(3):
                 b[ANSWER + j] = b[KEPT + j]
         return max(bound - kept, 0.0)
-    if shared <= bound:
+    if gap_shared <= bound:
         share_torques(sample, system)
-        return shared
+        return gap_shared
     clear(sample)
     return bound
 
 
 @fused
-def _step(sample, system, now, slow, careful, patient):
-    """Predict and correct from complementarity ``now``; return the lengths of the step found.
-
-    A careful step aims lower and stops farther from the boundary. A slow one is refined. A patient
-    one stays central: it aims low only as far as the predictor's step has shown to go well.
-    """
+def _find_step(sample, system, mean, slow, careful, patient):
+    """Find the Newton step from where the mean of s·z is ``mean``; return its two lengths."""
     number = splat(0.0)
     for i in range(num_chunks(sample)):
         number += chunk(sample, i)[CONES]
+
+    # predict how far one can go towards the optimum, and what that leaves of s·z
     primal, dual, moved, dual_moved, both = predict(sample, system)
     primal, dual = min(1.0, primal), min(1.0, dual)
     change = primal * moved + dual * dual_moved + primal * dual * both
-    ratio = min(max(1.0 + change / (now * total(number)), 0.0), 1.0)
-    target, back = now * ratio * ratio, max(0.98, 1.0 - 0.1 * ratio)
+    left = min(max(1.0 + change / (mean * total(number)), 0.0), 1.0)
+
+    # choose what to aim at and how near to the boundary to go
+    target, reach = mean * left * left, max(REACH, 1.0 - REACH_LOSS * left)
     if careful:
-        target, back = target * ratio * ratio, max(0.8, 1.0 - 0.5 * ratio)
-    if patient:
+        target = target * left * left
+        reach = max(CAREFUL_REACH, 1.0 - CAREFUL_REACH_LOSS * left)
+    if patient:  # aim low only as far as the prediction has gone well
         missing = 1.0 - min(primal, dual)
-        target, back = now * max(CENTRED, missing * missing), SHORT
-    primal, dual, moved, dual_moved, both = improve(sample, system, target, slow or patient)
+        target, reach = mean * max(PATIENT_CENTRING, missing * missing), PATIENT_REACH
+
+    # correct
+    primal, dual, moved, dual_moved, both = correct(sample, system, target, slow or patient)
     if not abs(both) < np.inf:
         return 0.0, 0.0
-    back = min(back, 0.999)
-    return min(1.0, back * primal), min(1.0, back * dual)
+    reach = min(reach, LONGEST_REACH)
+    return min(1.0, reach * primal), min(1.0, reach * dual)

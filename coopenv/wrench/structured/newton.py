@@ -59,17 +59,15 @@ from coopenv.wrench.structured.cones import (
     S,
     W,
     Z,
-    correct,
     dual_step,
     longest_step,
     product,
     scale,
+    write_corrector,
 )
 from coopenv.wrench.structured.lanes import larger, smaller, smallest, splat, total, where
 from coopenv.wrench.structured.memory import after
-
-REGULAR = 1e-14  # added to the pivots of M, relative to its diagonal
-FLOOR = 1e-15  # least pivot of H, relative to its diagonal
+from coopenv.wrench.structured.tolerances import LEAST_PIVOT, RAISED_PIVOT
 
 
 @fused
@@ -82,19 +80,19 @@ def predict(sample, system):
         _load(sample, i)
     collect_matrix(sample, system)
     for r in range(6):
-        system[r, r] *= 1.0 + REGULAR
+        system[r, r] *= 1.0 + RAISED_PIVOT
     factorise_system(system)
     return _move(sample, system, False)
 
 
 @fused
-def improve(sample, system, target, refined):
+def correct(sample, system, target, refined):
     """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
         for c in range(num_cones(b)):
-            correct(cone_of(b, c), target, b[CONES] > c)
+            write_corrector(cone_of(b, c), target, b[CONES] > c)
         _load(sample, i)
     return _move(sample, system, refined)
 
@@ -112,11 +110,11 @@ def _factorise_block(sample, i):
     several, all_three = b[FREE] > 1.0, b[FREE] > 2.0
     p0 = where(b[FREE] > 0.0, 1.0 / h00, 0.0)
     l10 = where(several, h01 * p0, 0.0)
-    p1 = where(several, 1.0 / larger(h11 - l10 * h01, FLOOR * h11), 0.0)
+    p1 = where(several, 1.0 / larger(h11 - l10 * h01, LEAST_PIVOT * h11), 0.0)
     l20 = where(all_three, h02 * p0, 0.0)
     bend = h12 - l20 * h01
     l21 = where(all_three, bend * p1, 0.0)
-    p2 = where(all_three, 1.0 / larger(h22 - l20 * h02 - l21 * bend, FLOOR * h22), 0.0)
+    p2 = where(all_three, 1.0 / larger(h22 - l20 * h02 - l21 * bend, LEAST_PIVOT * h22), 0.0)
     b[FACTOR], b[FACTOR + 1], b[FACTOR + 2] = l10, l20, l21
     b[FACTOR + 3], b[FACTOR + 4], b[FACTOR + 5] = p0, p1, p2
     carried = after(sums(sample), SCRATCH)

@@ -9,7 +9,7 @@ instead; so it is where all that would be internal, 1e-5 of the cost at most, ma
 Every answer is balanced and inside every ball to rounding and carries a bound on its suboptimality
 from the dual program (`bound`). A sample whose bound is worse than 1e-8 is tried again with
 shorter, more central steps, balance being taken about the middle of the grips (`alignment`); one
-still worse than `ACCEPTED` is also given to another solver. The answer with the better bound is
+still worse than `ACCEPTED_GAP` is also given to another solver. The answer with the better bound is
 kept.
 
 The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest (1e-14
@@ -31,11 +31,9 @@ from coopenv.wrench.answer import Answer, Prepare, Solve
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.settings import Settings
 from coopenv.wrench.structured.batch import solve_batch
+from coopenv.wrench.structured.tolerances import ACCEPTED_GAP, WANTED_GAP, WANTED_GAP_IN_PLANE
 
-TOLERANCE = 1e-9  # wanted gap, relative to the applied cost
-IN_PLANE = 1e-12  # the same where one iteration more gets there: flat costs turn ε to √ε of answer
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
-ACCEPTED = 1e-7  # gap up to which an answer is not tried again: others are seldom better
 
 
 def prepare(grips: FloatArray, settings: Settings, fall_back: Prepare) -> Solve:
@@ -60,11 +58,11 @@ def _solve(
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
     rows = _rows(applied, batch)
     places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
-    tolerance = IN_PLANE if grips.shape[-1] == 2 else TOLERANCE
+    tolerance = WANTED_GAP_IN_PLANE if grips.shape[-1] == 2 else WANTED_GAP
     manipulation, report = iterate(rows, places, settings, tolerance)
     gap, applied_cost, undercut = report[:, 0], report[:, 1], report[:, 4]
     fell_back = np.zeros(len(rows), dtype=np.bool_)
-    for index in np.flatnonzero(~(gap <= ACCEPTED * applied_cost)):
+    for index in np.flatnonzero(~(gap <= ACCEPTED_GAP * applied_cost)):
         place = places[index if len(places) > 1 else 0]
         answer = _better(fall_back(place, settings), rows[index], gap[index])
         if answer is not None:
@@ -82,7 +80,7 @@ def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
 
 
 def iterate(
-    applied: FloatArray, grips: FloatArray, settings: Settings, tolerance: float = TOLERANCE
+    applied: FloatArray, grips: FloatArray, settings: Settings, tolerance: float = WANTED_GAP
 ) -> tuple[FloatArray, FloatArray]:
     """Solve without falling back, on all cores where that pays; the same bits on any number.
 
@@ -95,7 +93,7 @@ def iterate(
     settings
         Torque weight and whether induced torque is costed.
     tolerance
-        Gap at which to stop, relative to the applied cost; below `TOLERANCE` only as long as it
+        Gap at which to stop, relative to the applied cost; below `WANTED_GAP` only as long as it
         falls fast.
 
     Returns

@@ -16,10 +16,9 @@ from coopenv.wrench.structured.blocks import (
     num_chunks,
     num_cones,
 )
-from coopenv.wrench.structured.cones import DET_S, DET_Z, ERROR_S, ERROR_Z, ROUNDING, S, Z
+from coopenv.wrench.structured.cones import DET_S, DET_Z, ERROR_S, ERROR_Z, S, Z
 from coopenv.wrench.structured.lanes import root, size, splat, total, where
-
-EVEN = 0.5  # s·z of a ball at the start, in mean costs of a force or torque
+from coopenv.wrench.structured.tolerances import ROUNDING, START_PRODUCT
 
 
 @fused
@@ -36,7 +35,7 @@ def start(sample, system):
         free = b[FREE] > 0.0
         costs += where(free, b[PRICE] * _length(b[V], b[V + 1]), 0.0)
         number += where(free, splat(1.0), 0.0)
-    target = EVEN * total(costs) / max(total(number), 1.0)
+    target = START_PRODUCT * total(costs) / max(total(number), 1.0)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
         for j in range(3):

@@ -29,7 +29,6 @@ from coopenv.wrench.structured.cones import (
     DS,
     DZ,
     INNER,
-    ROUNDING,
     S,
     Z,
     advance,
@@ -38,6 +37,7 @@ from coopenv.wrench.structured.cones import (
     renew,
 )
 from coopenv.wrench.structured.lanes import larger, largest, size, splat, total, where
+from coopenv.wrench.structured.tolerances import ROUNDING
 
 
 @fused

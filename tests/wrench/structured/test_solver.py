@@ -100,7 +100,7 @@ def test_near_agreement_nearly_always_needs_no_help(apart):
         bound.append(d.gap / d.applied_cost)
         fell_back.append(d.fell_back)
     assert np.concatenate(bound).max() <= 1e-5
-    assert (np.concatenate(bound) <= structured.ACCEPTED).mean() >= 0.98
+    assert (np.concatenate(bound) <= structured.ACCEPTED_GAP).mean() >= 0.98
     assert (np.concatenate(bound) <= 1e-8).mean() >= 0.9  # what rounding is worth is part of it
     assert np.concatenate(fell_back).mean() <= 0.02
 
@@ -133,7 +133,7 @@ def test_hopeless_wrenches_fall_back_and_own_up_to_their_gap():
     applied = rng.normal(size=(300, 2, 3))
     grips = rng.normal(size=(300, 2, 2)) * 10.0 ** rng.uniform(-13, 0, size=(300, 2, 1))
     d = solve(applied, grips)
-    doubtful = d.gap > structured.ACCEPTED * d.applied_cost
+    doubtful = d.gap > structured.ACCEPTED_GAP * d.applied_cost
     assert relative_residuals(d).max() <= 1e-8
     assert doubtful.mean() <= 0.2
     oracle = solve(applied, grips, "conic")
@@ -279,7 +279,7 @@ def test_what_cannot_be_certified_is_also_tried_with_conic(monkeypatch):
     rng = np.random.default_rng(15)
     applied, grips = rng.normal(size=(6, 3, 3)), rng.normal(size=(3, 2))
     good = solve(applied, grips)
-    monkeypatch.setattr(structured, "IN_PLANE", 1e-3)
+    monkeypatch.setattr(structured, "WANTED_GAP_IN_PLANE", 1e-3)
     d = solve(applied, grips)
     assert d.solver == "structured"
     assert d.fell_back.any()
