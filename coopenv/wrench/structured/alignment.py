@@ -16,18 +16,18 @@ POWERS = 3  # of the grips' scatter, to find their line
 @fused
 def align(sample, wrench, grips, units, spare):
     """Write the rows of torque of every G about the grips' middle, in a frame along their line."""
-    arm, middle, turn = spare[1], spare[3], spare[4]
-    _find_middle(wrench, grips, units[0], middle)
-    _find_line(wrench, grips, units[0], spare)
+    arm, middle, turn = spare.grip, spare.middle, spare.turn
+    _find_middle(wrench, grips, units.force, middle)
+    _find_line(wrench, grips, units.force, spare)
     for i in range(wrench.shape[0]):
         _arm(grips, i, middle, arm)
         force, torque = block(sample, 2 * i), block(sample, 2 * i + 1)
         for j in range(3):
             at = COLUMNS + 6 * j
             x, y, z = force[at], force[at + 1], force[at + 2]
-            force[at + 3] = (arm[1] * z - arm[2] * y) / units[1]
-            force[at + 4] = (arm[2] * x - arm[0] * z) / units[1]
-            force[at + 5] = (arm[0] * y - arm[1] * x) / units[1]
+            force[at + 3] = (arm[1] * z - arm[2] * y) / units.length
+            force[at + 4] = (arm[2] * x - arm[0] * z) / units.length
+            force[at + 5] = (arm[0] * y - arm[1] * x) / units.length
             _turn(force, at + 3, turn)
             _turn(torque, at + 3, turn)
 
@@ -35,7 +35,7 @@ def align(sample, wrench, grips, units, spare):
 @fused
 def turn_back(sample, wrench, spare):
     """Write the directions of the torques as they were, for the answer to be read."""
-    turn = spare[4]
+    turn = spare.turn
     for r in range(3):
         for t in range(r):
             turn[r, t], turn[t, r] = turn[t, r], turn[r, t]
@@ -83,9 +83,10 @@ def _find_middle(wrench, grips, force, middle):
 @fused
 def _find_line(wrench, grips, force, spare):
     """Write the frame along the line that the grips are closest to; in a plane its own."""
-    full, arm, scatter, middle, turn = spare
+    vector, arm, scatter = spare.full, spare.grip, spare.frame
+    middle, turn = spare.middle, spare.turn
     for r in range(3):
-        full[r], full[3 + r] = 0.0, 0.0
+        vector[r], vector[3 + r] = 0.0, 0.0
         for t in range(3):
             scatter[r, t], turn[r, t] = 0.0, 1.0 if r == t else 0.0
     if grips.shape[1] == 2:
@@ -102,13 +103,13 @@ def _find_line(wrench, grips, force, spare):
             widest = r
     if not scatter[widest, widest] > 0.0:
         return
-    full[widest] = 1.0
+    vector[widest] = 1.0
     for _ in range(1 + POWERS):
         for r in range(3):
-            full[3 + r] = 0.0
+            vector[3 + r] = 0.0
             for t in range(3):
-                full[3 + r] += scatter[r, t] * full[t]
-        size = norm3(full[3], full[4], full[5])
+                vector[3 + r] += scatter[r, t] * vector[t]
+        size = norm3(vector[3], vector[4], vector[5])
         for r in range(3):
-            full[r] = full[3 + r] / size
-    set_frame(turn, full[0], full[1], full[2], 0.0, 0.0, 0.0)
+            vector[r] = vector[3 + r] / size
+    set_frame(turn, vector[0], vector[1], vector[2], 0.0, 0.0, 0.0)

@@ -1,52 +1,121 @@
-"""The compiled entry of `structured`: a batch of samples in, certified answers out."""
+"""Solving a batch of samples with the structured solver: the compiled entry that Python calls."""
 
 import numpy as np
-from numba import types
-from numba.core import cgutils
-from numba.np.numpy_support import carray
 
 from coopenv.compiled import fused, fused_entry
 from coopenv.wrench.structured.agreement import share_needed
 from coopenv.wrench.structured.alignment import align, turn_back
 from coopenv.wrench.structured.balance import SYSTEM
-from coopenv.wrench.structured.blocks import ANSWER, WIDTH, chunks_for, fill, write
+from coopenv.wrench.structured.blocks import (
+    ANSWER,
+    WIDTH,
+    Options,
+    Sample,
+    Spare,
+    chunks_for,
+    fill,
+    write,
+)
 from coopenv.wrench.structured.bound import neglected, saving, undercut
 from coopenv.wrench.structured.feasible import clear, fit
 from coopenv.wrench.structured.interior_point import solve
-from coopenv.wrench.structured.lanes import LANES, in_llvm
-from coopenv.wrench.structured.memory import TABLE_WIDTH, four_at, table_at
+from coopenv.wrench.structured.lanes import LANES
+from coopenv.wrench.structured.memory import TABLE_WIDTH, array_at, four_at, table_at
 from coopenv.wrench.structured.tolerances import RETRIED_GAP, TRIFLE
 
+GAP, APPLIED_COST, COST = 0, 1, 2  # columns of a report [N]
+ITERATIONS = 3
+UNDERCUT = 4  # by how much rounding may have brought the cost below the optimum [N]
+REPORT = 5  # columns in all
+
+NUMBER = 8  # bytes
 LINE = 64  # bytes to which memory is aligned
+SPARE_NUMBERS = 30
+
+
+@fused_entry
+def solve_batch(applied, grips, torque_weight, induced, tolerance, manipulation, report):
+    """Solve samples one after the other.
+
+    Parameters
+    ----------
+    applied
+        ``(m, n, 3)`` or ``(m, n, 6)`` [N, N·m].
+    grips
+        ``(m, n, 2)`` or ``(m, n, 3)``, or the same with m = 1 for all samples [m].
+    torque_weight
+        w of eq. 17.
+    induced
+        s of eq. 17, 0.0 or 1.0.
+    tolerance
+        Wanted gap, relative to the applied cost.
+    manipulation
+        To be written, as ``applied``.
+    report
+        To be written, ``(m, REPORT)``: `GAP`, `APPLIED_COST`, `COST`, `ITERATIONS`, `UNDERCUT`.
+    """
+    chunks = chunks_for(applied.shape[1])
+    memory = np.zeros(_numbers_for(chunks))
+    sample, system, spare = _parted(memory.ctypes.data, chunks)
+    options = Options(torque_weight, induced, tolerance)
+    for j in range(applied.shape[0]):
+        place = grips[j if grips.shape[0] > 1 else 0]
+        answer, own = manipulation[j], report[j]
+        _solve_sample(sample, system, spare, applied[j], place, options, answer, own)
+    memory[0] = 0.0  # numba frees it after its last use, and knows of no other
 
 
 @fused
-def _solve_sample(
-    sample, system, spare, wrench, grips, w, induced, tolerance, manipulation, report
-):
+def _numbers_for(chunks):
+    """Numbers of memory that a batch needs."""
+    blocks = (chunks + 1) * WIDTH * LANES  # one more for sums
+    return blocks + SYSTEM * TABLE_WIDTH + SPARE_NUMBERS + LINE // NUMBER
+
+
+@fused
+def _parted(address, chunks):
+    """Sample, system and spare memory at an address."""
+    first = (address + LINE - 1) // LINE * LINE
+    sample = Sample(four_at(first), chunks)
+    at = first + NUMBER * (chunks + 1) * WIDTH * LANES
+    system = table_at(at)
+    at += NUMBER * SYSTEM * TABLE_WIDTH
+    spare = Spare(
+        array_at(at, 6),
+        array_at(at + 6 * NUMBER, 3),
+        array_at(at + 9 * NUMBER, (3, 3)),
+        array_at(at + 18 * NUMBER, 3),
+        array_at(at + 21 * NUMBER, (3, 3)),
+    )
+    return sample, system, spare
+
+
+@fused
+def _solve_sample(sample, system, spare, wrench, grips, options, manipulation, report):
     """Answer a sample; where that is not certified, try again with patience and keep the better."""
-    report[0], report[1], report[4] = np.inf, 0.0, 0.0
+    report[GAP], report[APPLIED_COST], report[UNDERCUT] = np.inf, 0.0, 0.0
     for patient in (False, True):
-        if not report[0] > max(RETRIED_GAP, tolerance) * report[1]:
+        if not report[GAP] > max(RETRIED_GAP, options.tolerance) * report[APPLIED_COST]:
             return
-        force, length, cost = fill(sample, wrench, grips, w, induced, spare)
-        steps, gap = 0, 0.0
+        units = fill(sample, wrench, grips, options, spare)
+        iterations, gap = 0, 0.0
         if patient:
-            align(sample, wrench, grips, (force, length), spare)
-        if cost > 0.0:
-            steps, gap = solve(sample, system, tolerance, patient)
+            align(sample, wrench, grips, units, spare)
+        if units.cost > 0.0:
+            iterations, gap = solve(sample, system, options.tolerance, patient)
             share_needed(sample, system)
-        unit, saved, slack = cost * force, saving(sample, ANSWER), 0.0
-        if steps > 0:
+        unit, saved, slack = units.cost * units.force, saving(sample, ANSWER), 0.0
+        if iterations > 0:
             gap, saved, slack = _weighed(sample, system, gap, saved)
-        slack += neglected(sample, system) if cost > 0.0 else 0.0
+        slack += neglected(sample, system) if units.cost > 0.0 else 0.0
         if patient:
-            if not (gap + slack) * unit < report[0] + report[4]:
+            if not (gap + slack) * unit < report[GAP] + report[UNDERCUT]:
                 return
             turn_back(sample, wrench, spare)
-        write(sample, wrench, force, length, manipulation)
-        report[0], report[1] = gap * unit, unit
-        report[2], report[3], report[4] = (1.0 - saved) * unit, steps, slack * unit
+        write(sample, wrench, units, manipulation)
+        report[GAP], report[APPLIED_COST] = gap * unit, unit
+        report[COST], report[ITERATIONS] = (1.0 - saved) * unit, iterations
+        report[UNDERCUT] = slack * unit
 
 
 @fused
@@ -60,51 +129,3 @@ def _weighed(sample, system, gap, saved):
         return gap, left, slack
     clear(sample)
     return gap + left, 0.0, 0.0
-
-
-@in_llvm
-def _pointer(typing_context, address):
-    """Take an integer for an address."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
-
-    return types.voidptr(address), generate
-
-
-@fused
-def _uncounted(address, shape):
-    """View of memory whose rows numba does not count the references to: that took half the time."""
-    return carray(_pointer(address), shape, np.float64)
-
-
-@fused_entry
-def solve_batch(applied, grips, w, induced, tolerance, manipulation, report):
-    """Solve samples one after the other.
-
-    Parameters are ``(m, n, k)`` wrenches, ``(m, n, d)`` grips, or ``(1, n, d)`` for all, the
-    weights, and the wanted gap relative to J(h). Written are the manipulation wrenches
-    ``(m, n, k)`` and ``(m, 5)``: gap, applied cost and cost [N], iterations, and by how much slack
-    may undercut J* [N].
-    """
-    chunks = chunks_for(applied.shape[1])
-    blocks_size = (chunks + 1) * WIDTH * LANES  # one more for sums
-    system_size = SYSTEM * TABLE_WIDTH
-    memory = np.zeros(blocks_size + system_size + 30 + LINE // 8)
-    at = (memory.ctypes.data + LINE - 1) // LINE * LINE
-    sample, system = (four_at(at), chunks), table_at(at + 8 * blocks_size)
-    at += 8 * (blocks_size + system_size)
-    spare = (
-        _uncounted(at, 6),
-        _uncounted(at + 48, 3),
-        _uncounted(at + 72, (3, 3)),
-        _uncounted(at + 144, 3),
-        _uncounted(at + 168, (3, 3)),
-    )
-    for j in range(applied.shape[0]):
-        place = grips[j if grips.shape[0] > 1 else 0]
-        wrench, answer = applied[j], manipulation[j]
-        _solve_sample(
-            sample, system, spare, wrench, place, w, induced, tolerance, answer, report[j]
-        )
-    memory[0] = 0.0  # what numba may free it after

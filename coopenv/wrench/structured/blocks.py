@@ -16,7 +16,9 @@ has fewer, blocks without free coordinates fill the lanes.
 """
 
 from math import sqrt
+from typing import Any, NamedTuple
 
+from coopenv.arrays import FloatArray
 from coopenv.compiled import TINY, fused, fused_inlined
 from coopenv.wrench.structured.cones import CONE
 from coopenv.wrench.structured.lanes import LANES, largest
@@ -31,6 +33,39 @@ PENDING = 41  # see `faces`
 SEEN, RIGHT, FACTOR = 42, 45, 48  # Gᵀν, ρ, L D Lᵀ, see `newton`
 FIRST_CONE = 54
 WIDTH = FIRST_CONE + 4 * CONE
+
+
+class Sample(NamedTuple):
+    """A sample's blocks in memory."""
+
+    fields: Any  # of the first chunk; the others follow
+    num_chunks: int
+
+
+class Options(NamedTuple):
+    """What is asked for all samples of a batch."""
+
+    torque_weight: float  # w
+    induced: float  # s, 0 or 1
+    tolerance: float  # wanted gap, relative to J(h)
+
+
+class Units(NamedTuple):
+    """Units of a sample."""
+
+    force: float  # [N]
+    length: float  # [m]
+    cost: float  # J(h), in units of force
+
+
+class Spare(NamedTuple):
+    """Memory for passing use."""
+
+    full: FloatArray  # an effector's wrench in three dimensions (6,)
+    grip: FloatArray  # and its grip (3,)
+    frame: FloatArray  # a block's frame, one axis a row (3, 3)
+    middle: FloatArray  # of the grips (3,), see `alignment`
+    turn: FloatArray  # rotation of the frame in which torques are balanced (3, 3), see `alignment`
 
 
 @fused_inlined
@@ -48,19 +83,19 @@ def chunks_for(num_effectors):
 @fused_inlined
 def num_chunks(sample):
     """Chunks of a sample."""
-    return sample[1]
+    return sample.num_chunks
 
 
 @fused_inlined
 def num_blocks(sample):
     """Blocks in all, those included that only fill the lanes."""
-    return LANES * sample[1]
+    return LANES * sample.num_chunks
 
 
 @fused_inlined
 def chunk(sample, i):
     """Fields of chunk i, each of four blocks at once."""
-    return after(sample[0], WIDTH * i)
+    return after(sample.fields, WIDTH * i)
 
 
 @fused_inlined
@@ -82,9 +117,10 @@ def cone_of(b, c):
 
 
 @fused
-def fill(sample, wrench, grips, w, induced, spare):
-    """Write the sample's blocks; return its units of force, length and cost."""
-    full, grip, frame = spare[0], spare[1], spare[2]
+def fill(sample, wrench, grips, options, spare):
+    """Write the sample's blocks; return its `Units`."""
+    full, grip, frame = spare.full, spare.grip, spare.frame
+    w = options.torque_weight
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
         for j in range(FIRST_CONE):
@@ -102,8 +138,8 @@ def fill(sample, wrench, grips, w, induced, spare):
         _fill_force(row, full, grip, frame, wrench.shape[1] == 3, longest / length)
         _fill_torque(torque, full, frame, wrench.shape[1] == 3, least)
         row[PRICE], torque[PRICE] = 1.0 - w, w * length
-        row[DISC_PRICE] = induced * w * length * norm3(grip[0], grip[1], grip[2])
-        if row[CONES] == 3.0 and induced > 0.0:
+        row[DISC_PRICE] = options.induced * w * length * norm3(grip[0], grip[1], grip[2])
+        if row[CONES] == 3.0 and options.induced > 0.0:
             row[CONES] = 4.0
         cost += row[PRICE] * norm3(row[V], row[V + 1], 0.0) + row[DISC_PRICE] * abs(row[V + 1])
         cost += torque[PRICE] * abs(torque[V])
@@ -111,7 +147,7 @@ def fill(sample, wrench, grips, w, induced, spare):
         b = chunk(sample, i)
         b[PRICE] /= max(cost, TINY)
         b[DISC_PRICE] /= max(cost, TINY)
-    return force, length, cost
+    return Units(force, length, cost)
 
 
 @fused
@@ -227,15 +263,15 @@ def _across(x, y, z, px, py, pz):
 
 
 @fused
-def write(sample, wrench, force, length, manipulation):
-    """Manipulation wrench h − g of the candidate answer, in its own units and frame."""
+def write(sample, wrench, units, manipulation):
+    """Write the manipulation wrench h − g of the candidate answer, in newtons and metres."""
     size = wrench.shape[1]
     for i in range(wrench.shape[0]):
         for r in range(size):
             component = 5 if size == 3 and r == 2 else r
-            row, unit = block(sample, 2 * i), force
+            row, unit = block(sample, 2 * i), units.force
             if component > 2:
-                row, unit = block(sample, 2 * i + 1), force * length
+                row, unit = block(sample, 2 * i + 1), units.force * units.length
             internal = 0.0
             for j in range(3):
                 internal += row[COLUMNS + 6 * j + component] * row[ANSWER + j]

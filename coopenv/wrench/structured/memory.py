@@ -1,19 +1,24 @@
-"""Where compiled code finds numbers: pointers that numba counts no references to.
+"""Memory of the structured solver: typed pointers for compiled code, without reference counts.
 
-The fields of four blocks lie side by side in memory, field after field. ``Four`` points to them and
-gives each by ``[field]`` as lanes (`lanes`); ``One`` points to a single block's and gives numbers.
-``Table`` points to rows of six numbers, ``[row, column]``. Nothing is checked against any end.
+The fields of four blocks lie side by side in memory, field after field. ``Four`` points to them,
+and ``[field]`` gives one as lanes (`lanes`). ``One`` points to the fields of a single block, and
+``[field]`` gives a number. ``Table`` points to rows of six numbers, ``[row, column]``. There are
+also arrays. Numba counts references to none of them, which would take half the time, and checks no
+index against any end: whoever made the memory must keep it alive.
 """
 
 import operator
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, signature
 from numba.extending import lower_builtin
+from numba.np.numpy_support import carray
 
+from coopenv.compiled import fused
 from coopenv.wrench.structured.lanes import LANES, VECTOR, declared, in_llvm, lanes, new_type
 
 TABLE_WIDTH = 6
@@ -113,3 +118,19 @@ def after(typing_context, four, count):
         return _field(builder, *args)
 
     return fields_of_four(fields_of_four, types.intp), generate
+
+
+@fused
+def array_at(address, shape):
+    """Take an address for that of an array of such a shape."""
+    return carray(_pointer_at(address), shape, np.float64)
+
+
+@in_llvm
+def _pointer_at(typing_context, address):
+    """Take an address for a pointer to anything."""
+
+    def generate(context, builder, sig, args):
+        return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+    return types.voidptr(address), generate

@@ -30,7 +30,7 @@ from coopenv.errors import SolverError
 from coopenv.wrench.answer import Answer, Prepare, Solve
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.structured.batch import solve_batch
+from coopenv.wrench.structured.batch import APPLIED_COST, GAP, REPORT, UNDERCUT, solve_batch
 from coopenv.wrench.structured.tolerances import ACCEPTED_GAP, WANTED_GAP, WANTED_GAP_IN_PLANE
 
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
@@ -60,7 +60,7 @@ def _solve(
     places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
     tolerance = WANTED_GAP_IN_PLANE if grips.shape[-1] == 2 else WANTED_GAP
     manipulation, report = iterate(rows, places, settings, tolerance)
-    gap, applied_cost, undercut = report[:, 0], report[:, 1], report[:, 4]
+    gap, applied_cost, undercut = report[:, GAP], report[:, APPLIED_COST], report[:, UNDERCUT]
     fell_back = np.zeros(len(rows), dtype=np.bool_)
     for index in np.flatnonzero(~(gap <= ACCEPTED_GAP * applied_cost)):
         place = places[index if len(places) > 1 else 0]
@@ -98,12 +98,11 @@ def iterate(
 
     Returns
     -------
-    Manipulation wrenches, and ``(m, 5)``: gap [N], applied cost [N], cost [N], iterations, and by
-    how much rounding may have brought the cost below the optimum [N].
+    Manipulation wrenches, and a report ``(m, REPORT)`` whose columns `batch` names.
     """
     # one signature to compile for: C order, writeable
     applied, grips = (np.require(array, requirements=["C", "W"]) for array in (applied, grips))
-    manipulation, report = np.empty(applied.shape), np.empty((len(applied), 5))
+    manipulation, report = np.empty(applied.shape), np.empty((len(applied), REPORT))
     weight, induced = settings.torque_weight, float(settings.include_induced)
 
     def solve(part: slice) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.structured.memory import after, four_at, lane, table_at
+from coopenv.wrench.structured.memory import after, array_at, four_at, lane, table_at
 
 
 @njit
@@ -49,3 +49,15 @@ def test_a_table_has_rows_of_six():
     expected[0, 1:3], expected[1:3, 0] = memory[1:3, 0], memory[0, 1:3]
     _transpose_corner(memory.ctypes.data)
     np.testing.assert_array_equal(memory, expected)
+
+
+@njit
+def _double(address):
+    array = array_at(address, (2, 3))
+    array[:] *= 2.0
+
+
+def test_an_array_at_an_address_is_the_memory_there():
+    memory = np.arange(8.0)
+    _double(memory[1:].ctypes.data)
+    np.testing.assert_array_equal(memory, [0, 2, 4, 6, 8, 10, 12, 7])
