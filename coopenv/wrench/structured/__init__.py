@@ -1,1 +1,1 @@
-"""Any number of effectors, in time linear in their number: our own interior-point method."""
+"""Structured solver: an interior-point method in time linear in the number of effectors."""

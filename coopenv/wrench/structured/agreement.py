@@ -1,9 +1,11 @@
-"""Forces that agree, exactly or nearly: the states in which the feasible set has no interior.
+"""Agreeing forces in the structured solver: an answer without iterations, and a start beside it.
 
-Where all forces point the same way none of them can be internal: Σ g = 0 while every g·f ≥ 0. Then
-the pure torques are shared along their sum (eqs. 22-23) and that is the answer. Where the forces
-nearly agree the same answer is nearly optimal, and where that is not good enough the iterations
-begin next to it.
+Where all forces are parallel the feasible set has no interior. None of the forces can be internal,
+since Σ g = 0 while every g·f ≥ 0. The pure torques are shared along their sum (eqs. 22-23), and
+that is the answer. Where the forces are nearly parallel the same answer is nearly optimal. If its
+gap is too large, the iterations start next to it.
+
+Source: Donner, Endo & Buss 2018, eqs. 22-23; the bound and the start are our own.
 """
 
 from math import sqrt
@@ -23,17 +25,17 @@ from coopenv.wrench.structured.blocks import (
     G,
     V,
     block,
-    norm3,
     num_blocks,
 )
 from coopenv.wrench.structured.bound import saving, shortfall
 from coopenv.wrench.structured.cones import CONE, DET_S, DET_Z, ERROR_S, ERROR_Z, S, Z
-from coopenv.wrench.structured.tolerances import ROUNDING
+from coopenv.wrench.structured.frame import norm3
+from coopenv.wrench.structured.tolerances import LEAST_SINE, ROUNDING
 
 
 @fused
 def disagreement(sample, system):
-    """Largest sine of the angle between a force and Σ f, 1 if one opposes it."""
+    """Return the largest sine of the angle between a force and Σ f, 1 if one opposes it."""
     _sum(sample, system, 0)
     x, y, z = system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]
     size = max(norm3(x, y, z), TINY)
@@ -66,9 +68,9 @@ def _sum(sample, system, first):
 
 @fused
 def share_torques(sample, system):
-    """Candidate that keeps every force and shares the torques along their sum; return its length.
+    """Make the answer that keeps every force and shares the torques along their sum.
 
-    Their sum is left in dν.
+    Returns the length of the sum, which is left in dν.
     """
     _sum(sample, system, 3)
     for i in range(num_blocks(sample)):
@@ -80,10 +82,10 @@ def share_torques(sample, system):
 
 @fused
 def share_needed(sample, system):
-    """Share what the candidate needs of pure torque among all who can supply it.
+    """Share what the answer needs of pure torque in proportion to what each effector can supply.
 
-    Any split along their sum costs the same, and none costs less; without this it would be as the
-    iterations left it. Where the sum alone cannot be supplied, nothing changes.
+    Every split along the needed torque costs the same, and none costs less. Without this the split
+    would be as the iterations left it. Where not all of it can be supplied, nothing changes.
     """
     for r in range(3, 6):
         needed = 0.0
@@ -103,7 +105,7 @@ def share_needed(sample, system):
 
 @fused
 def _supply(sample, system):
-    """Σ max(t_i·t, 0) for the torque t in dν."""
+    """Return Σ max(t_i·t, 0) for the torque t in dν."""
     supply = 0.0
     for i in range(1, num_blocks(sample), 2):
         row = block(sample, i)
@@ -114,7 +116,7 @@ def _supply(sample, system):
 
 @fused
 def _share(sample, system, supply):
-    """Give every torque its part of the torque t in dν.
+    """Give every effector its share of the torque t in dν.
 
     t_M,i = max(t_i·t, 0) / Σ max(t_j·t, 0) t    (eqs. 22-23)
     """
@@ -132,21 +134,23 @@ def _share(sample, system, supply):
 
 @fused
 def _along(row, system):
-    """Inner product of a torque with Σ t."""
+    """Return t_i·t for the torque t in dν."""
     product = row[COLUMNS + 3] * system[NU_STEP, 3] + row[COLUMNS + 4] * system[NU_STEP, 4]
     return (product + row[COLUMNS + 5] * system[NU_STEP, 5]) * row[V]
 
 
 @fused
 def certify(sample, system, sine):
-    """Leave `share_torques` as the candidate and return the bound on its suboptimality.
+    """Make the answer of `share_torques` and return its gap, relative to J(h).
 
-    ν_f = −K f_o/‖f_o‖ with K about c/sine, ν_t = −c t/‖t‖; ζ = −c v/‖v‖ for forces, ν_t for torques
+    ν_f = −K f_o/‖f_o‖ with K = c/sine, ν_t = −c t/‖t‖, ζ = −c v/‖v‖ for forces and ν_t for torques
 
-    The c of K is what force and the torque that it makes cost: of the two errors in the bound,
-    K sine² and the torque's c²/K, neither may be the larger.
+    The c of K is the price of a force and of the torque that it makes. With this K the two errors
+    in the bound, K sine² and the torque's c²/K, are equal.
     """
-    _aim(sample, system, (block(sample, 0)[PRICE] + block(sample, 1)[PRICE]) / max(sine, 1e-15))
+    _aim(
+        sample, system, (block(sample, 0)[PRICE] + block(sample, 1)[PRICE]) / max(sine, LEAST_SINE)
+    )
     size = max(share_torques(sample, system), TINY)
     for r in range(3, 6):
         system[NU, r] = -block(sample, 1)[PRICE] * system[NU_STEP, r] / size
@@ -169,7 +173,7 @@ def certify(sample, system, sine):
 
 @fused
 def _aim(sample, system, multiplier):
-    """ν_f = −K f_o/‖f_o‖."""
+    """Write ν_f = −K f_o/‖f_o‖ and ν_t = 0, K being ``multiplier``."""
     _sum(sample, system, 0)
     size = max(norm3(system[NU_STEP, 0], system[NU_STEP, 1], system[NU_STEP, 2]), TINY)
     for r in range(3):
@@ -179,9 +183,9 @@ def _aim(sample, system, multiplier):
 
 @fused
 def start_near(sample, system, sine):
-    """Move the forces' start to where it must end, near 0, with the multipliers that say so.
+    """Move the start of forces that are nearly parallel next to the answer for parallel ones.
 
-    g = θ f with θ such that s·z is as large as in the other blocks.
+    g = θ f with θ such that s·z is as large as in the other blocks, and multipliers along Σ f.
     """
     _aim(sample, system, block(sample, 0)[PRICE] / sine)
     total, number = 0.0, 0
@@ -197,8 +201,10 @@ def start_near(sample, system, sine):
 
 @fused
 def _start_force_near(row, system, target):
+    """Write g = θ f of a force, and s and z of its cones, for s·z = ``target``."""
+    # z of the ball
     z = FIRST_CONE + CONE + Z
-    for j in range(3):  # the ball's z is −Gᵀν
+    for j in range(3):  # −Gᵀν
         row[z + 1 + j] = 0.0
         if j < row[FREE]:
             for r in range(3):
@@ -208,10 +214,14 @@ def _start_force_near(row, system, target):
     row[z] = length + target / row[RADIUS]
     row[at + DET_Z] = (row[z] - length) * (row[z] + length)
     row[at + ERROR_Z] = ROUNDING * row[z] * row[z]
+
+    # g
     theta = min(0.5, target / max(2.0 * row[RADIUS] * length, TINY))
     for j in range(int(row[FREE])):
         row[G + j] = theta * row[V + j]
         row[REST + j] = row[V + j] - row[G + j]
+
+    # s of every cone
     for c in range(int(row[CONES])):
         at = FIRST_CONE + CONE * c
         first = 1 if c >= 2 else 0

@@ -1,21 +1,23 @@
-"""Where balance of torque is taken for the structured solver's second attempt; compiled.
+"""Point and frame of the balance of torque in the structured solver's second attempt; compiled.
 
-Balance about one point is balance about any other, in any frame, so that neither matters but for
-rounding. About the middle of the grips and in a frame along their line, what a long lever makes of
-a force does not drown what only a small torque can balance: with grips on one line, the torque
-about it. About the centre of mass that is a difference of large numbers.
+Wrenches that balance about one point and in one frame balance about all points and in all frames.
+The choice matters only for rounding. With grips on one line the torque about the line can be
+balanced by pure torques alone, which may be small. About the centre of mass it is a difference of
+large numbers, namely forces times long levers. About the middle of the grips, in a frame along
+their line, it is not.
 """
 
 from coopenv.compiled import fused
-from coopenv.wrench.structured.blocks import COLUMNS, block, norm3, set_frame
+from coopenv.wrench.structured.blocks import COLUMNS, block
+from coopenv.wrench.structured.frame import norm3, set_frame
 from coopenv.wrench.structured.tolerances import NEGLIGIBLE
 
-POWERS = 3  # of the grips' scatter, to find their line
+POWERS = 3  # iterations
 
 
 @fused
 def align(sample, wrench, grips, units, spare):
-    """Write the rows of torque of every G about the grips' middle, in a frame along their line."""
+    """Write the rows of torque of G about the middle of the grips, in a frame along their line."""
     arm, middle, turn = spare.grip, spare.middle, spare.turn
     _find_middle(wrench, grips, units.force, middle)
     _find_line(wrench, grips, units.force, spare)
@@ -34,7 +36,7 @@ def align(sample, wrench, grips, units, spare):
 
 @fused
 def turn_back(sample, wrench, spare):
-    """Write the directions of the torques as they were, for the answer to be read."""
+    """Write the directions of the torques as they were before `align`."""
     turn = spare.turn
     for r in range(3):
         for t in range(r):
@@ -46,6 +48,7 @@ def turn_back(sample, wrench, spare):
 
 @fused
 def _turn(row, at, turn):
+    """Turn the three numbers of a row from ``at`` on."""
     x, y, z = row[at], row[at + 1], row[at + 2]
     for r in range(3):
         row[at + r] = turn[r, 0] * x + turn[r, 1] * y + turn[r, 2] * z
@@ -53,14 +56,14 @@ def _turn(row, at, turn):
 
 @fused
 def _pushes(wrench, i, force):
-    """Whether an effector has a force that counts."""
+    """Whether an effector has a force that counts, ``force`` being the largest."""
     third = wrench[i, 2] if wrench.shape[1] == 6 else 0.0
     return norm3(wrench[i, 0], wrench[i, 1], third) > NEGLIGIBLE * force
 
 
 @fused
 def _arm(grips, i, middle, arm):
-    """Write a grip as seen from the middle."""
+    """Write the position of a grip from the middle."""
     arm[2] = 0.0
     for r in range(grips.shape[1]):
         arm[r] = grips[i, r] - middle[r]
@@ -68,6 +71,7 @@ def _arm(grips, i, middle, arm):
 
 @fused
 def _find_middle(wrench, grips, force, middle):
+    """Write the mean of the grips that have forces that count."""
     number = 0
     for r in range(3):
         middle[r] = 0.0
@@ -82,7 +86,10 @@ def _find_middle(wrench, grips, force, middle):
 
 @fused
 def _find_line(wrench, grips, force, spare):
-    """Write the frame along the line that the grips are closest to; in a plane its own."""
+    """Write the frame along the line that the grips are closest to; in the plane no rotation.
+
+    The line is the widest direction of the grips' scatter, by power iteration.
+    """
     vector, arm, scatter = spare.full, spare.grip, spare.frame
     middle, turn = spare.middle, spare.turn
     for r in range(3):

@@ -1,8 +1,8 @@
-"""The one small system that couples the effectors: balance of force and torque, compiled.
+"""The 6×6 system of balance of force and torque, which couples the effectors; compiled.
 
-Whatever the number of effectors, it is of size 6: rows 0 to 5 of ``system`` hold a symmetric
-matrix, its lower triangle or its factors LDLᵀ. What no block can make is left out of it. Sums over
-the blocks grow in four lanes, in a chunk of their own, until they are collected.
+Rows 0 to 5 of a ``system`` hold a symmetric matrix, either its lower triangle or its factors LDLᵀ.
+The other rows hold vectors. Resultants that no block can make are left out when it is factorised.
+Sums over the blocks grow in four lanes, in a chunk of their own, until they are collected.
 """
 
 from coopenv.compiled import fused, fused_inlined
@@ -11,35 +11,38 @@ from coopenv.wrench.structured.lanes import total, where
 from coopenv.wrench.structured.memory import TABLE_WIDTH, after
 from coopenv.wrench.structured.tolerances import DEAD_PIVOT, VOID_PIVOT
 
-ALIVE, BALANCE, NU, NU_STEP, SPARE = 6, 7, 8, 9, 10  # rows below: what can be made, r, ν, dν
+ALIVE = 6  # row: 1 for resultants that some block can make, 0 for others
+BALANCE = 7  # r = −Σ G g
+NU, NU_STEP = 8, 9  # ν, dν
+BEFORE = 10  # what stood in dν before
 SYSTEM = 11  # rows in all
-RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # place of sums of forces and torques, behind the matrix'
-SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks lest memory be written
+RESULTANT = TABLE_WIDTH * TABLE_WIDTH  # field of sums of forces and torques, behind the matrix
+SCRATCH = RESULTANT + 6  # fields for passing use, the same for all chunks to stay in the cache
 
 
 @fused_inlined
 def sums(sample):
-    """Fields of the chunk where sums over the blocks grow."""
+    """Return the fields of the chunk where sums over the blocks grow."""
     return chunk(sample, num_chunks(sample))
 
 
 @fused_inlined
 def clear_matrix(sample):
-    """Begin sums of squares."""
+    """Set the sum of squares to 0."""
     for r in range(RESULTANT):
         sums(sample)[r] = 0.0
 
 
 @fused_inlined
 def clear_resultant(sample):
-    """Begin sums of forces and torques."""
+    """Set the sums of forces and torques to 0."""
     for r in range(6):
         sums(sample)[RESULTANT + r] = 0.0
 
 
 @fused_inlined
 def collect_matrix(sample, system):
-    """Write the sum of squares to the matrix."""
+    """Write the sum of squares to the matrix of the system."""
     for r in range(6):
         for t in range(r + 1):
             system[r, t] = total(sums(sample)[TABLE_WIDTH * r + t])
@@ -47,14 +50,17 @@ def collect_matrix(sample, system):
 
 @fused_inlined
 def collect_resultant(sample, system, at, sign):
-    """Add the sum of forces and torques to a row of the system, or subtract it."""
+    """Add the sums of forces and torques, times a sign, to a row of the system."""
     for r in range(6):
         system[at, r] += sign * total(sums(sample)[RESULTANT + r])
 
 
 @fused_inlined
 def add_squares(sample, columns, first, x, y, z):
-    """Add G diag(x, y, z) Gᵀ of a chunk, the columns being fields of six from row ``first`` on."""
+    """Add G diag(x, y, z) Gᵀ of a chunk to the sum of squares.
+
+    G is in the fields ``columns``, six a column. Its rows before ``first`` are zero.
+    """
     matrix = sums(sample)
     for r in range(first, 6):
         a0, a1, a2 = columns[r] * x, columns[6 + r] * y, columns[12 + r] * z
@@ -65,7 +71,7 @@ def add_squares(sample, columns, first, x, y, z):
 
 @fused_inlined
 def add_resultant(sample, i, x, y, z):
-    """Add G (x, y, z) of a chunk."""
+    """Add G (x, y, z) of a chunk to the sums of forces and torques."""
     b, first = chunk(sample, i), 3 * (i & 1)
     for r in range(3):
         c = COLUMNS + first + r
@@ -78,7 +84,7 @@ def add_resultant(sample, i, x, y, z):
 
 @fused
 def mark_alive(sample, system):
-    """Mark the resultants that some block can make: pivots of Σ G Gᵀ that do not vanish."""
+    """Mark the resultants that some block can make, by the pivots of Σ G Gᵀ."""
     clear_matrix(sample)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
@@ -90,14 +96,14 @@ def mark_alive(sample, system):
 
 @fused_inlined
 def _weights(b, weight):
-    """The weight for every free coordinate, 0 for the others."""
+    """Return the weight for each of the three coordinates that is free, 0 for the others."""
     some, several, all_three = b[FREE] > 0.0, b[FREE] > 1.0, b[FREE] > 2.0
     return where(some, weight, 0.0), where(several, weight, 0.0), where(all_three, weight, 0.0)
 
 
 @fused_inlined
 def seen(b, system, at, torque):
-    """Gᵀx of a chunk for the x in a row of the system."""
+    """Return Gᵀx of a chunk for the x in a row of the system."""
     first = 3 if torque else 0
     x, y, z = system[at, first], system[at, first + 1], system[at, first + 2]
     c = COLUMNS + first
@@ -114,7 +120,10 @@ def seen(b, system, at, torque):
 
 @fused
 def resultant(sample, system, part, at):
-    """Write −Σ G x for a part x of the blocks to a row; return its largest component."""
+    """Write −Σ G x to a row of the system; return its largest component.
+
+    x is in three fields of every block, ``part`` and the next two.
+    """
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
@@ -127,7 +136,7 @@ def resultant(sample, system, part, at):
 
 @fused_inlined
 def largest_component(system, at):
-    """Largest size of the numbers in a row of the system."""
+    """Return the largest absolute value in a row of the system."""
     largest = 0.0
     for r in range(6):
         largest = max(largest, abs(system[at, r]))
@@ -136,7 +145,7 @@ def largest_component(system, at):
 
 @fused
 def spread_evenly(sample, system):
-    """Take the candidate answer back to G g = 0, every block in proportion to the square of ‖v‖."""
+    """Take the candidate answer back to Σ G g = 0, every block in proportion to ‖v‖²."""
     clear_matrix(sample)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
@@ -158,7 +167,7 @@ def spread_evenly(sample, system):
 
 @fused
 def find_pivots(system):
-    """Factorise a Gram matrix in place and mark its pivots that do not vanish."""
+    """Factorise a Gram matrix in place and mark the pivots that do not vanish."""
     largest = 0.0
     for r in range(6):
         system[ALIVE, r] = system[r, r]
@@ -171,14 +180,14 @@ def find_pivots(system):
 
 @fused
 def factorise_system(system):
-    """Factorise the matrix in place, without what cannot be made."""
+    """Factorise the matrix in place, without resultants that cannot be made."""
     for r in range(6):
         _eliminate(system, r)
 
 
 @fused
 def _eliminate(system, j):
-    """One column of LDLᵀ in the lower triangle, 1/D on the diagonal; 0 for a dead pivot."""
+    """Write column j of LDLᵀ to the lower triangle, 1/D to the diagonal; 0 for a dead pivot."""
     if not (system[ALIVE, j] > 0.0 and system[j, j] > 0.0):
         for r in range(j, 6):
             system[r, j] = 0.0
@@ -195,7 +204,7 @@ def _eliminate(system, j):
 
 @fused
 def solve_system(system):
-    """Solve for dν in place."""
+    """Solve L D Lᵀ x = dν and write x to dν."""
     s = system
     x0, x1, x2 = s[NU_STEP, 0], s[NU_STEP, 1], s[NU_STEP, 2]
     x3, x4, x5 = s[NU_STEP, 3], s[NU_STEP, 4], s[NU_STEP, 5]

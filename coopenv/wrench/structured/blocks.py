@@ -1,38 +1,42 @@
-"""A sample as the structured solver sees it: one block of fields for every force and every torque.
+"""Blocks of the structured solver: how forces and torques of a sample lie in memory; compiled.
 
-Block 2i is the force of effector i, block 2i + 1 its pure torque: a vector v in a frame of its own
-in which the first ``FREE`` coordinates of its internal part g may differ from 0, and the columns G
-that carry it to the resultant. A force's frame has the lever first, the force's part across it
-second; a torque's has its own direction first. Units: the sample's largest force and lever, and
-its applied cost. A block has up to four cones, in this order:
+Block 2i is the force of effector i, block 2i + 1 its pure torque. A block holds a vector v, its
+internal part g and the columns G that carry them to the resultant. v and g are in a frame of the
+block's own: that of a force has the lever first and the part of the force across the lever second,
+that of a torque has the torque's direction first. The first ``FREE`` coordinates of g are unknown,
+the others are 0. Units are such that no force, torque or lever of the sample exceeds 1, and that
+its applied cost is 1. A block has up to four cones, in this order:
 
-0  cost        (τ, v − g), at cost c τ
+0  cost        (τ, v − g), at the price c of τ
 1  ball        (‖v‖/2, g − v/2)                              eqs. 19 and 21
 2  disc        the same without the first coordinate         eq. 20
-3  disc cost   (τ, v − g) without the first coordinate, at cost c τ: the induced torque's for s = 1
+3  disc cost   (τ, v − g) without the first coordinate, for the cost of induced torque if s = 1
 
-In memory four effectors make two chunks, their forces and their torques (`lanes`). Where a sample
-has fewer, blocks without free coordinates fill the lanes.
+Four effectors make two chunks in memory, one of their forces and one of their torques (`lanes`).
+Where there are fewer than four, blocks without free coordinates fill the lanes.
 """
 
-from math import sqrt
 from typing import Any, NamedTuple
 
 from coopenv.arrays import FloatArray
 from coopenv.compiled import TINY, fused, fused_inlined
 from coopenv.wrench.structured.cones import CONE
+from coopenv.wrench.structured.frame import norm3, set_frame
 from coopenv.wrench.structured.lanes import LANES, largest
 from coopenv.wrench.structured.memory import after, lane
 from coopenv.wrench.structured.tolerances import CHEAP, NEGLIGIBLE, NEGLIGIBLE_DEAR, RADIAL
 
-FREE, CONES, RADIUS, PRICE, DISC_PRICE = 0, 1, 2, 3, 4  # free coordinates, cones, ‖v‖/2, c, c
-V, G, REST, ANSWER, STEP = 5, 8, 11, 14, 17  # v, g, v − g, the candidate for g, dg
-KEPT = 20  # the best answer so far
+FREE, CONES = 0, 1  # fields: how many coordinates are free, how many cones there are
+RADIUS = 2  # ‖v‖/2
+PRICE, DISC_PRICE = 3, 4  # c of the cost and of the disc cost
+V, G, REST = 5, 8, 11  # v, g, v − g
+ANSWER, KEPT = 14, 20  # the candidate for g, and the best so far
+STEP = 17  # dg
 COLUMNS = 23  # G, six numbers a column
-PENDING = 41  # see `faces`
+PENDING = 41  # coordinates left free by a proposal, see `facial_reduction`
 SEEN, RIGHT, FACTOR = 42, 45, 48  # Gᵀν, ρ, L D Lᵀ, see `newton`
 FIRST_CONE = 54
-WIDTH = FIRST_CONE + 4 * CONE
+WIDTH = FIRST_CONE + 4 * CONE  # fields in all
 
 
 class Sample(NamedTuple):
@@ -69,50 +73,44 @@ class Spare(NamedTuple):
 
 
 @fused_inlined
-def norm3(x, y, z):
-    """Length of a vector."""
-    return sqrt(x * x + y * y + z * z)
-
-
-@fused_inlined
 def chunks_for(num_effectors):
-    """Chunks for so many effectors: two for every four."""
+    """Return how many chunks so many effectors need: two for every four."""
     return 2 * ((num_effectors + LANES - 1) // LANES)
 
 
 @fused_inlined
 def num_chunks(sample):
-    """Chunks of a sample."""
+    """Return how many chunks a sample has."""
     return sample.num_chunks
 
 
 @fused_inlined
 def num_blocks(sample):
-    """Blocks in all, those included that only fill the lanes."""
+    """Return how many blocks a sample has, with those that only fill the lanes."""
     return LANES * sample.num_chunks
 
 
 @fused_inlined
 def chunk(sample, i):
-    """Fields of chunk i, each of four blocks at once."""
+    """Return the fields of chunk i, each of four blocks at once."""
     return after(sample.fields, WIDTH * i)
 
 
 @fused_inlined
 def block(sample, i):
-    """Fields of block i, each a number."""
+    """Return the fields of block i, each a number."""
     return lane(chunk(sample, i // (2 * LANES) * 2 + i % 2), i // 2 % LANES)
 
 
 @fused_inlined
 def num_cones(b):
-    """Most cones that a block of the chunk has."""
+    """Return the most cones that a block of the chunk has."""
     return int(largest(b[CONES]))
 
 
 @fused_inlined
 def cone_of(b, c):
-    """Fields of the cones c of a chunk, as `second_order` has them."""
+    """Return the fields of the cones c of a chunk, which `cones` names."""
     return after(b, FIRST_CONE + CONE * c)
 
 
@@ -152,7 +150,7 @@ def fill(sample, wrench, grips, options, spare):
 
 @fused
 def _units(wrench, grips, full, grip):
-    """Units of force and length such that nothing exceeds 1; and the longest lever."""
+    """Return units of force and length in which nothing exceeds 1, and the longest lever."""
     force, torque, length = 0.0, 0.0, 0.0
     for i in range(wrench.shape[0]):
         _spread(wrench, grips, i, full, grip)
@@ -183,6 +181,7 @@ def _spread(wrench, grips, i, full, grip):
 
 @fused
 def _fill_force(row, full, grip, frame, planar, longest):
+    """Write the block of a force, ``longest`` being the longest lever."""
     x, y, z = full[0], full[1], full[2]
     size, lever = norm3(x, y, z), norm3(grip[0], grip[1], grip[2])
     has_lever = lever > NEGLIGIBLE * longest
@@ -210,6 +209,7 @@ def _fill_force(row, full, grip, frame, planar, longest):
 
 @fused
 def _fill_torque(row, full, frame, planar, least):
+    """Write the block of a pure torque; one up to ``least`` is left as applied."""
     x, y, z = full[3], full[4], full[5]
     size = norm3(x, y, z)
     row[V], row[V + 1], row[V + 2] = size, 0.0, 0.0
@@ -225,7 +225,7 @@ def _fill_torque(row, full, frame, planar, least):
 
 @fused
 def _set_columns(row, frame, first, lever):
-    """Write G: the frame's axes from component ``first`` on, and the torques they induce."""
+    """Write G: the axes of the frame from component ``first`` on, and the torques they induce."""
     for j in range(18):
         row[COLUMNS + j] = 0.0
     for j in range(3):
@@ -235,31 +235,6 @@ def _set_columns(row, frame, first, lever):
         for r in range(3):
             row[COLUMNS + 9 + r] = lever * frame[2, r]
             row[COLUMNS + 15 + r] = -lever * frame[1, r]
-
-
-@fused
-def set_frame(frame, x, y, z, px, py, pz):
-    """Write the rows: the unit vector (x, y, z), the direction of p across it, their product."""
-    size = norm3(px, py, pz)
-    px, py, pz = _across(x, y, z, px, py, pz)
-    if norm3(px, py, pz) <= RADIAL * size:  # what is left is rounding, and no direction
-        if abs(x) + abs(y) > 0.1:  # any direction across, in the plane z = 0 if (x, y, z) is
-            px, py, pz = -y, x, 0.0
-        else:
-            px, py, pz = 0.0, z, -y
-    for _ in range(2):
-        size = norm3(px, py, pz)
-        px, py, pz = _across(x, y, z, px / size, py / size, pz / size)
-    frame[0, 0], frame[0, 1], frame[0, 2] = x, y, z
-    frame[1, 0], frame[1, 1], frame[1, 2] = px, py, pz
-    frame[2, 0], frame[2, 1], frame[2, 2] = y * pz - z * py, z * px - x * pz, x * py - y * px
-
-
-@fused
-def _across(x, y, z, px, py, pz):
-    """Part of p across the unit vector (x, y, z)."""
-    along = x * px + y * py + z * pz
-    return px - along * x, py - along * y, pz - along * z
 
 
 @fused

@@ -1,11 +1,11 @@
-"""What an answer of the structured solver is worth: what it saves, the dual bound, rounding.
+"""Bound on the optimum of the structured solver by weak duality, and errors by rounding; compiled.
 
 For any multipliers ν of balance and any ζ in the dual cones of costs (‖ζ‖ ≤ c) and discs, with
-ζ_ball = Gᵀν − Σ ζ_cost − ζ_disc, the optimum obeys
+ζ_ball = Gᵀν − Σ ζ_cost − ζ_disc, the optimum J* obeys
 
 J(h) − J* ≤ Σ_cost [c‖v‖ + ζ·v] + ½ Σ_ball,disc [‖ζ‖‖v‖ + ζ·v]
 
-by weak duality; every term is ≥ 0 and is evaluated without cancellation. Costs J(h) = 1.
+Every term is ≥ 0 and is evaluated without cancellation. Costs are in units of J(h).
 """
 
 from math import sqrt
@@ -32,7 +32,7 @@ from coopenv.wrench.structured.tolerances import MULTIPLIER_GROWTH, NEGLIGIBLE, 
 
 @fused
 def shortfall(sample, system):
-    """Bound on J(h) − J* from the multipliers and the cones' z."""
+    """Return the bound on J(h) − J* from the multipliers and the cones' z."""
     bound = splat(0.0)
     for i in range(num_chunks(sample)):
         bound += block_shortfall(chunk(sample, i), *seen(chunk(sample, i), system, NU, i & 1))
@@ -41,7 +41,7 @@ def shortfall(sample, system):
 
 @fused_inlined
 def block_shortfall(b, y0, y1, y2):
-    """Terms of the bound for y = Gᵀν, which becomes ζ_ball."""
+    """Return the terms of four blocks in the bound, for y = Gᵀν."""
     bound = splat(0.0)
     for c in range(num_cones(b)):
         if c == 1:
@@ -68,13 +68,13 @@ def block_shortfall(b, y0, y1, y2):
 
 @fused_inlined
 def _length(x, y, z):
-    """Length of a vector, in every lane."""
+    """Return the length of a vector in every lane."""
     return root(x * x + y * y + z * z)
 
 
 @fused_inlined
 def _defect(a0, a1, a2, b0, b1):
-    """‖a‖‖b‖ + a·b for b = (b_0, b_1, 0)."""
+    """Return ‖a‖‖b‖ + a·b for b = (b_0, b_1, 0), accurate also where they are opposed."""
     product = a0 * b0 + a1 * b1
     square_a, square_b = a0 * a0 + a1 * a1 + a2 * a2, b0 * b0 + b1 * b1
     sizes = root(square_a * square_b)
@@ -85,7 +85,7 @@ def _defect(a0, a1, a2, b0, b1):
 
 @fused
 def saving(sample, part):
-    """J(h) − J(h − g) for g at ``part`` of the blocks, accurate where g is small."""
+    """Return J(h) − J(h − g) for g in the fields from ``part`` on, accurate where g is small."""
     saved = splat(0.0)
     for i in range(num_chunks(sample)):
         saved += block_saving(chunk(sample, i), part)
@@ -94,7 +94,7 @@ def saving(sample, part):
 
 @fused_inlined
 def block_saving(b, part):
-    """J(h) − J(h − g) of four blocks."""
+    """Return J(h) − J(h − g) of four blocks."""
     v0, v1, g0, g1, g2 = b[V], b[V + 1], b[part], b[part + 1], b[part + 2]
     before, after = v1 * v1, (v1 - g1) * (v1 - g1) + g2 * g2
     difference = g1 * (2.0 * v1 - g1) - g2 * g2
@@ -111,12 +111,12 @@ def block_saving(b, part):
 
 @fused
 def undercut(sample, system, saved):
-    """Estimate how far below J* an answer's cost may be, as it is right only to rounding.
+    """Estimate how far below J* the cost of an answer may be, which is feasible only to rounding.
 
-    To miss balance by ε is worth ε‖ν‖, ν being its multipliers: those of force are huge where
-    forces nearly agree, those of torque where levers are long or where only a very short lever
-    could compensate one. To leave a ball by ε is worth ε‖ζ‖. Both are measured, and torque counts
-    `TORQUE_ROUNDING` besides. Never more than all that is saved, since J* ≤ J(h).
+    Missing balance by ε may save ε‖ν‖. The multipliers ν of force are huge where forces nearly
+    agree, those of torque where levers are long or where only a very short lever could compensate a
+    torque. Leaving a ball by ε may save ε‖ζ‖. Both errors are measured, and `TORQUE_ROUNDING` is
+    added to those of torque. The estimate is at most what the answer saves, since J* ≤ J(h).
     """
     resultant(sample, system, ANSWER, NU_STEP)
     square, worth = 0.0, 0.0
@@ -135,9 +135,9 @@ def undercut(sample, system, saved):
 
 @fused
 def neglected(sample, system):
-    """What the bound would grow by for the vectors that were left as applied for their size.
+    """Return by how much vectors that are left as applied for their size would raise the bound.
 
-    ½ (‖y‖‖v‖ + y·v) for y = Gᵀν + c v/‖v‖: their ball's term where their cost's is 0.
+    ½ (‖y‖‖v‖ + y·v) for y = Gᵀν + c v/‖v‖: the term of the ball where that of the cost is 0
     """
     bound = splat(0.0)
     for i in range(num_chunks(sample)):
@@ -154,7 +154,7 @@ def neglected(sample, system):
 
 @fused_inlined
 def _worth_of_excess(b):
-    """ε‖ζ‖ of the balls and discs that the candidate leaves by ε, of four blocks."""
+    """Return ε‖ζ‖ for the balls and discs of four blocks that the candidate leaves by ε."""
     inner, square = products(b)
     ball = leaving(inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER], b[RADIUS])
     disc = leaving(inner, square, 0.5 * size(b[V + 1]))
@@ -164,13 +164,13 @@ def _worth_of_excess(b):
 
 @fused_inlined
 def products(b):
-    """Without the first coordinate: g·v and ‖g‖² of the candidate."""
+    """Return g·v and ‖g‖² of the candidate, both without the first coordinate."""
     g1, g2 = b[ANSWER + 1], b[ANSWER + 2]
     return g1 * b[V + 1], g1 * g1 + g2 * g2
 
 
 @fused_inlined
 def leaving(inner, square, radius):
-    """By how much one ball is left, from g·v and ‖g‖²; accurate near 0."""
+    """Return by how much g leaves a ball, from g·v and ‖g‖²; accurate near 0."""
     out = larger(square - inner, 0.0)
     return out / larger(root(out + radius * radius) + radius, TINY)

@@ -1,8 +1,8 @@
-"""Second-order cones {(s_0, s_1): ‖s_1‖ ≤ s_0} for an interior-point method, compiled.
+"""Second-order cones {(s_0, s_1): ‖s_1‖ ≤ s_0} of an interior-point method; compiled.
 
-A pair (s, z) in the cone lies among the fields of a ``cone``, beside all that is derived from it,
-in four lanes for four cones (`lanes`); s and z have four components, [s_0, s_1], padded with zeros.
-``det`` is s_0² − ‖s_1‖². It is carried along from step to step where the difference would cancel.
+The fields of a ``cone`` hold a pair (s, z) and all that is derived from it, in four lanes for four
+cones at once (`lanes`). s and z have four components, [s_0, s_1], padded with zeros. det s is
+s_0² − ‖s_1‖². Where the difference would cancel, it is carried along from step to step.
 
 Source: Nesterov-Todd scaling as in L. Vandenberghe, "The CVXOPT linear and quadratic cone program
 solvers", 2010, sections 4 and 5.
@@ -14,9 +14,13 @@ from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.lanes import larger, root, some, splat, where
 from coopenv.wrench.structured.tolerances import CANCELLED, ROUNDING
 
-S, Z, W, Q, DS, DZ = 0, 4, 8, 12, 16, 20  # fields: the pair, scaling, right-hand side, steps
-DET_S, DET_Z, ERROR_S, ERROR_Z = 24, 25, 26, 27
-LAMBDA = 28  # W⁻¹ s = W z, with a det of 1
+S, Z = 0, 4  # fields: the pair
+W = 8  # direction w of the scaling
+Q = 12  # right-hand side q
+DS, DZ = 16, 20  # steps
+DET_S, DET_Z = 24, 25
+ERROR_S, ERROR_Z = 26, 27  # what rounding may have done to the dets
+LAMBDA = 28  # λ = W⁻¹ s = W z, scaled to a det of 1
 PER_LAMBDA, PER_HEAD, PER_BEND = 32, 33, 34  # 1/λ_0, 1/(1 + w_0), 1/(2 w_0² − 1)
 PER_S, SQUARE, PER_SQUARE, INNER = 35, 36, 37, 38  # 1/√det s, 1/η², η², s·z
 CONE = 39  # fields of a cone
@@ -24,7 +28,7 @@ CONE = 39  # fields of a cone
 
 @fused_inlined
 def mirrored(cone, a, b):
-    """aᵀJb, the inner product with one tail negated; ``mirrored(cone, a, a)`` is det a."""
+    """Return aᵀJb, the inner product with one tail negated; ``mirrored(cone, a, a)`` is det a."""
     return (
         cone[a] * cone[b]
         - cone[a + 1] * cone[b + 1]
@@ -35,7 +39,7 @@ def mirrored(cone, a, b):
 
 @fused_inlined
 def product(cone, a, b):
-    """Inner product aᵀb."""
+    """Return the inner product aᵀb."""
     return (
         cone[a] * cone[b]
         + cone[a + 1] * cone[b + 1]
@@ -46,13 +50,13 @@ def product(cone, a, b):
 
 @fused_inlined
 def tail(cone, x):
-    """Length of x without its first component."""
+    """Return the length of x without its first component."""
     return root(cone[x + 1] * cone[x + 1] + cone[x + 2] * cone[x + 2] + cone[x + 3] * cone[x + 3])
 
 
 @fused_inlined
 def scale(cone):
-    """Write the Nesterov-Todd direction w, λ and what else belongs to the scaling.
+    """Write the Nesterov-Todd direction w, λ and the other fields of the scaling.
 
     W = η [w_0, w_1ᵀ; w_1, I + w_1 w_1ᵀ/(1+w_0)] maps z to W z = W⁻¹ s.
     """
@@ -83,7 +87,7 @@ def scale(cone):
 
 @fused_inlined
 def inner(cone):
-    """s·z, accurate also where the vectors are long and nearly opposite."""
+    """Return s·z, accurate also where the vectors are long and nearly opposite."""
     plain, heads = product(cone, S, Z), cone[S] * cone[Z]
     cancelled = plain <= CANCELLED * heads
     return where(cancelled, _inner_of_opposite(cone), plain) if some(cancelled) else plain
@@ -91,6 +95,7 @@ def inner(cone):
 
 @fused
 def _inner_of_opposite(cone):
+    """Return s·z from the dets and the angle between the tails."""
     s, z = S, Z
     tails = cone[s + 1] * cone[z + 1] + cone[s + 2] * cone[z + 2] + cone[s + 3] * cone[z + 3]
     length_s, length_z = tail(cone, s), tail(cone, z)
@@ -104,7 +109,7 @@ def _inner_of_opposite(cone):
 
 @fused_inlined
 def unscaled(cone, x0, x1, x2, x3):
-    """η W⁻¹ x."""
+    """Return η W⁻¹ x."""
     w0, w1, w2, w3 = cone[W], cone[W + 1], cone[W + 2], cone[W + 3]
     along = w1 * x1 + w2 * x2 + w3 * x3
     step = along * cone[PER_HEAD] - x0
@@ -124,7 +129,7 @@ def dual_step(cone):
 
 @fused_inlined
 def write_corrector(cone, target, present):
-    """Write the second-order corrector's right-hand side; 0 where there is no such cone.
+    """Write the right-hand side q of the second-order corrector; 0 where there is no such cone.
 
     q = −z + target·s⁻¹ + W⁻¹(u + λ∖(u∘u)),  u = W⁻¹ds (the predictor's),  λ = W⁻¹s
 
@@ -155,7 +160,7 @@ def write_corrector(cone, target, present):
 
 @fused_inlined
 def longest_step(cone, x, dx, det):
-    """Largest α with x + α dx in the cone; infinite where the ray stays inside."""
+    """Return the largest α with x + α dx in the cone; infinite where the ray stays inside."""
     slope = mirrored(cone, x, dx)
     bend = mirrored(cone, dx, dx)
     square = slope * slope - bend * det
@@ -168,9 +173,11 @@ def longest_step(cone, x, dx, det):
 
 @fused_inlined
 def advance(cone, x, dx, which, step):
-    """Take a step, carrying the det and what rounding may have done to it (``which`` is its place).
+    """Take a step of x, and carry along its det (field ``which``) and the error of that.
 
-    det(x + α dx) = det x + 2α xᵀJdx + α² det dx: exact in what the step was chosen by.
+    det(x + α dx) = det x + 2α xᵀJdx + α² det dx
+
+    This is accurate, as the length α of the step was computed from the same terms.
     """
     error = which + ERROR_S - DET_S
     slope, bend = mirrored(cone, x, dx), mirrored(cone, dx, dx)
@@ -184,7 +191,7 @@ def advance(cone, x, dx, which, step):
 
 @fused_inlined
 def refresh(cone, x, which):
-    """Evaluate a det anew where that is more accurate than carrying it along."""
+    """Evaluate a det anew from x where that is more accurate than carrying it along."""
     error = which + ERROR_S - DET_S
     doubt = ROUNDING * cone[x] * cone[x]
     if some(doubt < cone[error]):
@@ -194,7 +201,7 @@ def refresh(cone, x, which):
 
 @fused_inlined
 def renew(cone, which, value, doubt):
-    """Take a det evaluated anew, uncertain by ``doubt``, in the lanes where that is better."""
+    """Replace a det by a value uncertain by ``doubt``, in the lanes where that is better."""
     error = which + ERROR_S - DET_S
     better = (doubt < cone[error]) & (value > 2.0 * doubt)
     cone[which] = where(better, value, cone[which])

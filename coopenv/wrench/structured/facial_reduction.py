@@ -1,20 +1,25 @@
-"""What no plausible internal wrench can move: found in the multipliers, proved, and held fixed.
+"""Facial reduction: finds, proves and fixes parts of a wrench that cannot be internal; compiled.
 
-Every ball goes through 0, ‖g‖² ≤ v·g. So if multipliers λ of balance exist with
+Every ball has 0 on its surface, ‖g‖² ≤ v·g. Let there be multipliers λ of balance such that
 
-−Gᵀλ = μ_f f + μ_d P f  or  μ_t t  in every block,  all μ ≥ 0
+−Gᵀλ = μ_f f + μ_d P f  in every block of a force,  −Gᵀλ = μ_t t  in every one of a torque,  μ ≥ 0
 
-(P takes the part across the lever), then 0 = −λᵀΣ G g = Σ μ v·g is a sum of nonnegative terms: what
-has a positive μ cannot move. Agreeing forces are the best known case (λ = f_o). Such a set has no
-interior, the iterations' multipliers grow along λ without end, and there λ is found. It counts only
-if the equations hold to rounding; then the parts are fixed and the iterations start afresh.
+where P takes the part across the lever. Then 0 = −λᵀΣ G g = Σ μ v·g is a sum of terms that are not
+negative. All of them are 0, so that g is 0 in every part whose μ is positive. The best known case
+is that of agreeing forces, where λ points against their sum.
+
+Where there is such a λ the feasible set has no interior, and the multipliers of the iterations grow
+along λ without end. That is where λ is looked for. It counts only if the equations hold to
+rounding. Then those parts are fixed and the iterations start afresh.
+
+Source: facial reduction as in Borwein & Wolkowicz 1981; this proof is our own.
 """
 
 from coopenv.compiled import fused
 from coopenv.wrench.structured.balance import (
+    BEFORE,
     NU,
     NU_STEP,
-    SPARE,
     add_squares,
     clear_matrix,
     collect_matrix,
@@ -31,30 +36,34 @@ from coopenv.wrench.structured.blocks import (
     V,
     block,
     chunk,
-    norm3,
     num_blocks,
     num_chunks,
 )
 from coopenv.wrench.structured.cones import CONE, Z
+from coopenv.wrench.structured.frame import norm3
 from coopenv.wrench.structured.memory import after
 from coopenv.wrench.structured.tolerances import PROOF_ERROR, PROOF_POSITIVE, SUSPECT_SHARE
 
-LAMBDA, SEEING = NU_STEP, STEP  # where λ is kept, and which coordinates see what must be 0
+PROOF = NU_STEP  # row of λ
+BLIND = STEP  # fields: 1 for coordinates of −Gᵀλ that must be 0
 
 
 @fused
 def fix_immovable(sample, system, multiplier):
-    """Fix what is proved immovable, if anything is; return whether so.
+    """Fix the parts that are proved immovable; return whether there are any.
 
     ``multiplier`` is the largest of a ball or disc.
     """
+    # propose parts by their multipliers, and λ by those of balance
     limit = SUSPECT_SHARE * multiplier
     for i in range(num_blocks(sample)):
         _suspect(block(sample, i), limit)
     for r in range(6):
-        system[LAMBDA, r] = system[NU, r]
+        system[PROOF, r] = system[NU, r]
     for _ in range(2):
         _project(sample, system)
+
+    # prove
     size = 0.0
     for i in range(num_blocks(sample)):
         row = block(sample, i)
@@ -65,6 +74,8 @@ def fix_immovable(sample, system, multiplier):
     for i in range(num_blocks(sample)):
         if not _proves(block(sample, i), system, size):
             return False
+
+    # fix
     fixed = False
     for i in range(num_blocks(sample)):
         row = block(sample, i)
@@ -76,7 +87,7 @@ def fix_immovable(sample, system, multiplier):
 
 @fused
 def _suspect(row, limit):
-    """Propose free coordinates: none for a large multiplier of the ball, one for the disc's."""
+    """Propose what stays free: none if the ball's multiplier is large, one if the disc's."""
     row[PENDING] = row[FREE]
     if row[FREE] == 0.0:
         return
@@ -88,16 +99,16 @@ def _suspect(row, limit):
 
 @fused
 def _along(row, system, j):
-    """Coordinate j of −Gᵀλ."""
+    """Return coordinate j of −Gᵀλ."""
     total = 0.0
     for r in range(6):
-        total -= row[COLUMNS + 6 * j + r] * system[LAMBDA, r]
+        total -= row[COLUMNS + 6 * j + r] * system[PROOF, r]
     return total
 
 
 @fused
 def _may_differ(row, j):
-    """Whether coordinate j of −Gᵀλ may differ from 0 by the proposal."""
+    """Whether coordinate j of −Gᵀλ may differ from 0 if the proposal holds."""
     if row[PENDING] == row[FREE]:
         return False
     if row[CONES] == 2.0:
@@ -107,32 +118,32 @@ def _may_differ(row, j):
 
 @fused
 def _project(sample, system):
-    """Make λ obey the equations: subtract what is seen by coordinates that must be 0."""
+    """Make λ obey the equations: project it so that coordinates which must be 0 are 0."""
     for r in range(6):
-        system[SPARE, r] = system[LAMBDA, r]
+        system[BEFORE, r] = system[PROOF, r]
     for i in range(num_blocks(sample)):
         row = block(sample, i)
         for j in range(3):
-            row[SEEING + j] = 1.0 if j < row[FREE] and not _may_differ(row, j) else 0.0
+            row[BLIND + j] = 1.0 if j < row[FREE] and not _may_differ(row, j) else 0.0
     clear_matrix(sample)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
-        add_squares(sample, after(b, COLUMNS), 0, b[SEEING], b[SEEING + 1], b[SEEING + 2])
+        add_squares(sample, after(b, COLUMNS), 0, b[BLIND], b[BLIND + 1], b[BLIND + 2])
     collect_matrix(sample, system)
     for r in range(6):
         total = 0.0
         for t in range(6):
-            total += system[max(r, t), min(r, t)] * system[SPARE, t]
-        system[LAMBDA, r] = total
+            total += system[max(r, t), min(r, t)] * system[BEFORE, t]
+        system[PROOF, r] = total
     find_pivots(system)
     solve_system(system)
     for r in range(6):
-        system[LAMBDA, r] = system[SPARE, r] - system[LAMBDA, r]
+        system[PROOF, r] = system[BEFORE, r] - system[PROOF, r]
 
 
 @fused
 def _proves(row, system, size):
-    """Whether λ obeys a block's equations with μ ≥ 0; settle what of the proposal has μ > 0."""
+    """Whether λ obeys the equations of a block with μ ≥ 0; settle what of it has μ > 0."""
     for j in range(int(row[FREE])):
         if not _may_differ(row, j) and abs(_along(row, system, j)) > PROOF_ERROR * size:
             return False

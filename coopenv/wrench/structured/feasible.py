@@ -1,4 +1,4 @@
-"""Iterates of the structured solver made answers: balanced, and back in every ball; compiled."""
+"""Feasible answers from iterates of the structured solver: balanced and in every ball; compiled."""
 
 import numpy as np
 
@@ -24,15 +24,19 @@ from coopenv.wrench.structured.tolerances import (
 
 @fused
 def settle(sample, system, part, excess, balanced):
-    """Make the g at ``part`` an answer: balanced, and in every ball; return J(h) − J.
+    """Make a balanced answer in every ball of the g at ``part``; return what it saves, J(h) − J.
 
-    What misses balance is spread by the last Newton system; what then leaves a ball is drawn back
-    by shrinking everything towards 0, which keeps the balance: ‖θg‖² ≤ θ g·v.
+    The last Newton system takes g back to balance. Where that fails, every block takes a part in
+    proportion to ‖v‖² (`spread_evenly`). Then all are shrunk by one factor θ, which keeps the
+    balance, until no ball is left by more than ``excess``: ‖θg‖² ≤ θ g·v. What then misses balance
+    by more than ``balanced`` is no answer and saves −∞.
     """
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
         for j in range(3):
             b[ANSWER + j] = b[part + j]
+
+    # balance
     missed = _missed(sample, system)
     for _ in range(6):
         if missed <= BALANCE_ROUNDING:
@@ -43,6 +47,8 @@ def settle(sample, system, part, excess, balanced):
         spread_evenly(sample, system)
         if not resultant(sample, system, ANSWER, NU_STEP) <= balanced:
             return -np.inf
+
+    # shrink into the balls
     room = splat(1.0)
     for i in range(num_chunks(sample)):
         room = smaller(_room(chunk(sample, i), excess), room)
@@ -56,7 +62,7 @@ def settle(sample, system, part, excess, balanced):
 
 @fused
 def clear(sample):
-    """Leave what was applied as the answer."""
+    """Make the applied wrench the answer: nothing is internal."""
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
         for j in range(3):
@@ -65,9 +71,9 @@ def clear(sample):
 
 @fused
 def fit(sample):
-    """Draw torques of the answer that leave their balls by a part of themselves back into them.
+    """Shrink each torque of the answer that leaves its ball by more than a trifle of itself.
 
-    By no more than `EXCESS` or `LOOSE_EXCESS`, which balance hardly notices.
+    It leaves the ball by no more than `EXCESS` or `LOOSE_EXCESS`, which balance hardly notices.
     """
     for i in range(1, num_chunks(sample), 2):
         b = chunk(sample, i)
@@ -80,7 +86,7 @@ def fit(sample):
 
 @fused
 def _missed(sample, system):
-    """Largest resultant of the candidate, each relative to what it is the sum of; left in dν."""
+    """Write −Σ G g of the candidate to dν; return the largest, relative to the largest of g."""
     resultant(sample, system, ANSWER, NU_STEP)
     force, torque = splat(0.0), splat(0.0)
     for i in range(num_chunks(sample)):
@@ -102,7 +108,7 @@ def _missed(sample, system):
 
 @fused
 def _balance(sample, system):
-    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate answer, which takes it back to G g = 0; r is in dν."""
+    """Add H⁻¹ Gᵀ M⁻¹ r to the candidate, which takes it back to Σ G g = 0; r is in dν."""
     solve_system(system)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
@@ -114,7 +120,7 @@ def _balance(sample, system):
 
 @fused_inlined
 def _room(b, excess):
-    """Largest θ ≤ 1 such that θ times the candidate is in ball and disc of four blocks."""
+    """Return the largest θ ≤ 1 for which θ times the candidate is in ball and disc."""
     inner, square = products(b)
     whole = square + b[ANSWER] * b[ANSWER]
     room = _room_of(inner + b[ANSWER] * b[V], whole, b[RADIUS], excess, NO_DIRECTION)
@@ -124,6 +130,6 @@ def _room(b, excess):
 
 @fused_inlined
 def _room_of(inner, square, radius, excess, noise):
-    """Largest θ ≤ 1 for one ball, from g·v and ‖g‖², where that is more than noise."""
+    """Return the largest θ ≤ 1 for one ball from g·v and ‖g‖²; 1 where that is only ``noise``."""
     outside = leaving(inner, square, radius) > excess
     return where((square > noise) & outside, larger(inner, 0.0) / larger(square, TINY), 1.0)

@@ -1,8 +1,9 @@
 """Primal-dual interior-point iterations of the structured solver; compiled.
 
-Mehrotra's predictor and corrector (`newton`). Three kinds of iterations take more care: *slow* ones
-refine their step, *careful* ones also aim lower and stop farther from the boundary, and *patient*
-ones, those of a second attempt, stay central.
+Mehrotra's predictor and corrector (`newton`). *Careful* steps aim lower and stop farther from the
+boundary. They are taken where the feasible set is thin. *Slow* steps, where there is no progress,
+are careful and are refined, too. *Patient* steps, those of a second attempt, are refined and stay
+central.
 
 Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", 1992.
 """

@@ -1,8 +1,8 @@
-"""Four numbers at once: vectors of the processor, for the compiled code of the structured solver.
+"""Vectors of four numbers (SIMD) for the compiled code of the structured solver.
 
 ``Lanes`` are four numbers that take ``+ - * /`` and comparisons like one, with each other or with
-a number; what happens in a lane depends on no other lane. A comparison gives a ``Mask``. LLVM makes
-of it whatever the processor has. How they lie in memory is the business of `fields`.
+a number. What happens in a lane depends on no other lane. A comparison gives a ``Mask``. LLVM
+compiles them to whatever instructions the processor has. `memory` says how they lie there.
 """
 
 import operator
@@ -181,17 +181,17 @@ def element(typing_context, x, which):
 
 @fused_inlined
 def total(x):
-    """Sum of the lanes."""
+    """Return the sum of the lanes."""
     return (element(x, 0) + element(x, 2)) + (element(x, 1) + element(x, 3))
 
 
 @fused_inlined
 def largest(x):
-    """Largest of the lanes."""
+    """Return the largest of the lanes."""
     return max(max(element(x, 0), element(x, 2)), max(element(x, 1), element(x, 3)))
 
 
 @fused_inlined
 def smallest(x):
-    """Smallest of the lanes."""
+    """Return the smallest of the lanes."""
     return min(min(element(x, 0), element(x, 2)), min(element(x, 1), element(x, 3)))

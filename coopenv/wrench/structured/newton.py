@@ -20,9 +20,9 @@ from math import inf
 from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import (
     BALANCE,
+    BEFORE,
     NU_STEP,
     SCRATCH,
-    SPARE,
     add_resultant,
     add_squares,
     clear_matrix,
@@ -72,7 +72,7 @@ from coopenv.wrench.structured.tolerances import LEAST_PIVOT, RAISED_PIVOT
 
 @fused
 def predict(sample, system):
-    """Factorise and step towards the boundary; return `_move`'s lengths and products."""
+    """Factorise and find the step towards the optimum; return what `_find` does."""
     clear_matrix(sample)
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
@@ -82,30 +82,39 @@ def predict(sample, system):
     for r in range(6):
         system[r, r] *= 1.0 + RAISED_PIVOT
     factorise_system(system)
-    return _move(sample, system, False)
+    return _find(sample, system, False)
 
 
 @fused
 def correct(sample, system, target, refined):
-    """Step towards s·z = ``target``, corrected for the predictor's step, which it replaces."""
+    """Find the step towards s·z = ``target``, with the predictor's step in the right-hand side.
+
+    It replaces the predictor's; returned is what `_find` does.
+    """
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
         for c in range(num_cones(b)):
             write_corrector(cone_of(b, c), target, b[CONES] > c)
         _load(sample, i)
-    return _move(sample, system, refined)
+    return _find(sample, system, refined)
 
 
 @fused
 def _factorise_block(sample, i):
-    """Scale the cones, factorise H, carry G through L, add G H⁻¹ Gᵀ to M (lower triangle)."""
+    """Scale the cones, factorise H, and add G H⁻¹ Gᵀ to M.
+
+    G H⁻¹ Gᵀ is the square of G L⁻ᵀ with the weights D⁻¹.
+    """
+    # scale the cones
     b = chunk(sample, i)
     for c in range(num_cones(b)):
         cone = cone_of(b, c)
         scale(cone)
         for r in range(4):
             cone[Q + r] = where(b[CONES] > c, -cone[Z + r], 0.0)
+
+    # factorise H
     h00, h01, h02, h11, h12, h22 = _hessian(b)
     several, all_three = b[FREE] > 1.0, b[FREE] > 2.0
     p0 = where(b[FREE] > 0.0, 1.0 / h00, 0.0)
@@ -117,6 +126,8 @@ def _factorise_block(sample, i):
     p2 = where(all_three, 1.0 / larger(h22 - l20 * h02 - l21 * bend, LEAST_PIVOT * h22), 0.0)
     b[FACTOR], b[FACTOR + 1], b[FACTOR + 2] = l10, l20, l21
     b[FACTOR + 3], b[FACTOR + 4], b[FACTOR + 5] = p0, p1, p2
+
+    # add to M
     carried = after(sums(sample), SCRATCH)
     for r in range(3 * (i & 1), 6):
         a0, a1, a2 = b[COLUMNS + r], b[COLUMNS + 6 + r], b[COLUMNS + 12 + r]
@@ -127,7 +138,7 @@ def _factorise_block(sample, i):
 
 @fused_inlined
 def _hessian(b):
-    """Upper triangle of H: the sum of the cones' curvatures, τ eliminated."""
+    """Return the upper triangle of H, the sum of the cones' curvatures with τ eliminated."""
     zero = splat(0.0)
     h00, h01, h02, h11, h12, h22 = zero, zero, zero, zero, zero, zero
     for c in range(num_cones(b)):
@@ -147,7 +158,7 @@ def _hessian(b):
 
 @fused_inlined
 def under_hessian(b, y0, y1, y2):
-    """H⁻¹ y."""
+    """Return H⁻¹ y."""
     y1 -= b[FACTOR] * y0
     y2 = (y2 - b[FACTOR + 1] * y0 - b[FACTOR + 2] * y1) * b[FACTOR + 5]
     y1 = y1 * b[FACTOR + 4] - b[FACTOR + 2] * y2
@@ -156,7 +167,7 @@ def under_hessian(b, y0, y1, y2):
 
 @fused_inlined
 def _load(sample, i):
-    """Take ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to the resultant.
+    """Write ρ from the residual of stationarity and the cones' q; add G H⁻¹ρ to the resultant.
 
     ρ = Σ ± (z_1 + q_1 [+ 2 w_0 w_1 q_0 / (2 w_0² − 1), costs only, for their τ]) − Gᵀν
     """
@@ -177,8 +188,8 @@ def _load(sample, i):
 
 
 @fused
-def _move(sample, system, refined):
-    """Solve for dν and write dg, ds and dz of every block.
+def _find(sample, system, refined):
+    """Solve for dν, and write dg, ds and dz of every block.
 
     Returns the longest steps that keep every s and every z in its cone, Σ ds·z, Σ s·dz, and
     Σ ds·dz.
@@ -210,7 +221,7 @@ def _move(sample, system, refined):
             both += product(cone, DS, DZ)
     if refined:
         for r in range(6):
-            system[NU_STEP, r] += system[SPARE, r]
+            system[NU_STEP, r] += system[BEFORE, r]
     return smallest(primal), smallest(dual), total(moved), total(dual_moved), total(both)
 
 
@@ -218,7 +229,7 @@ def _move(sample, system, refined):
 def _refine(sample, system):
     """Write dg and solve once more for what it misses of balance, Σ G dg = r.
 
-    dν of the first time goes to a spare row.
+    The first dν is kept beside the second.
     """
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
@@ -228,14 +239,14 @@ def _refine(sample, system):
         b[STEP], b[STEP + 1], b[STEP + 2] = x, y, z
         add_resultant(sample, i, x, y, z)
     for r in range(6):
-        system[SPARE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
+        system[BEFORE, r], system[NU_STEP, r] = system[NU_STEP, r], system[BALANCE, r]
     collect_resultant(sample, system, NU_STEP, -1.0)
     solve_system(system)
 
 
 @fused_inlined
 def _move_cone(cone, x, y, z, c, present):
-    """Write ds and dz for dg = (x, y, z); a cost's τ moves so that its own dual stays c."""
+    """Write ds and dz for dg = (x, y, z); the τ of a cost moves so that its own dual stays c."""
     is_cost = c == 0 or c == 3
     sign = where(present, -1.0 if is_cost else 1.0, 0.0)
     cone[DS] = 0.0

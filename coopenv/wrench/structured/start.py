@@ -1,4 +1,4 @@
-"""Where the structured solver's iterations begin: the centre of every ball, compiled."""
+"""Starting point of the structured solver: the centre of every ball; compiled."""
 
 from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import NU
@@ -23,9 +23,9 @@ from coopenv.wrench.structured.tolerances import ROUNDING, START_PRODUCT
 
 @fused
 def start(sample, system):
-    """Begin in the middle of every ball, with multipliers that need no balance.
+    """Put every g to the centre of its ball, and the multipliers of balance to 0.
 
-    s·z of a ball is the same for all, lest a tiny force hold up the others.
+    s·z is the same for all balls, so that a tiny force does not hold up the others.
     """
     costs, number = splat(0.0), splat(0.0)
     for r in range(6):
@@ -48,7 +48,7 @@ def start(sample, system):
 
 @fused_inlined
 def _length(x, y):
-    """Length of a vector (x, y, 0)."""
+    """Return the length of a vector (x, y, 0)."""
     return root(x * x + y * y)
 
 
@@ -56,8 +56,8 @@ def _length(x, y):
 def _start_cone(b, c, target):
     """Put s of a ball to its centre, τ of a cost to twice the norm, and z to (z_0, 0).
 
-    z_0 is c in a cost; in a ball such that s·z = ``target``, however small it is. Where a block has
-    no such cone the lane gets s = z = (1, 0), and stays there.
+    z_0 of a cost is its price c. z_0 of a ball is such that s·z = ``target``. Where a block has no
+    such cone its lane gets s = z = (1, 0) and stays there.
     """
     cone, present = cone_of(b, c), b[CONES] > c
     for r in range(1, 4):

@@ -1,4 +1,4 @@
-"""Taking a step of the structured solver, and seeing in the same pass where it led; compiled."""
+"""Steps of the structured solver: takes one and evaluates the new iterate in one pass; compiled."""
 
 from coopenv.compiled import fused, fused_inlined
 from coopenv.wrench.structured.balance import (
@@ -42,7 +42,7 @@ from coopenv.wrench.structured.tolerances import ROUNDING
 
 @fused
 def take(sample, system, primal, dual):
-    """Take a step of these lengths and see where it led, in one pass; r and Gᵀν are written.
+    """Take a step of these lengths, and write r and Gᵀν of the new iterate.
 
     Returns the bound on J(h) − J*, J(h) − J, the mean of s·z, and the largest multiplier of a ball
     or disc.
@@ -55,14 +55,20 @@ def take(sample, system, primal, dual):
     number, multiplier = splat(0.0), splat(0.0)
     for i in range(num_chunks(sample)):
         b = chunk(sample, i)
+
+        # take the step
         if primal > 0.0 or dual > 0.0:
             _advance_block(b, primal, dual)
+
+        # evaluate the cones
         for c in range(num_cones(b)):
             cone, present = cone_of(b, c), b[CONES] > c
             cone[INNER] = inner(cone)
             products += where(present, cone[INNER], 0.0)
             if c == 1 or c == 2:
                 multiplier = larger(where(present, cone[Z], 0.0), multiplier)
+
+        # evaluate bound, cost and balance
         y0, y1, y2 = seen(b, system, NU, i & 1)
         b[SEEN], b[SEEN + 1], b[SEEN + 2] = y0, y1, y2
         bound += block_shortfall(b, y0, y1, y2)
@@ -76,7 +82,7 @@ def take(sample, system, primal, dual):
 
 @fused_inlined
 def _advance_block(b, primal, dual):
-    """Take the step; dets anew where that is the more accurate, balls' from g·(v − g)."""
+    """Take the step of four blocks; evaluate dets anew where that is more accurate."""
     for j in range(3):
         b[G + j] += primal * b[STEP + j]
         b[REST + j] -= primal * b[STEP + j]
@@ -93,7 +99,7 @@ def _advance_block(b, primal, dual):
 
 @fused_inlined
 def _renew_ball(b, cone, c):
-    """Take s and its det of a ball or disc from g and v − g."""
+    """Write s of a ball or disc from g, and its det from g·(v − g)."""
     inside, doubt = splat(0.0), splat(0.0)
     for j in range(c - 1, 3):
         part = where(b[FREE] > j, b[G + j] * b[REST + j], 0.0)

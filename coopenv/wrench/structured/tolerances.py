@@ -46,7 +46,7 @@ THIN = 0.05  # below which the answer for parallel forces is tried
 LEAST_SINE = 1e-15  # that multipliers are made for
 
 # Parts of a wrench that cannot move (`facial_reduction`)
-SUSPECT_MULTIPLIER = 10.0  # of a ball or disc, in units of J(h), from which on one looks for them
+SUSPECT_MULTIPLIER = 10.0  # of a ball or disc, J(h) a unit of the sample, from which on one looks
 SUSPECT_GROWTH = 4.0  # of the largest multiplier, after which one looks again
 SUSPECT_SHARE = 0.03  # of the largest multiplier, from which on a part is suspected
 PROOF_ERROR = 1e-13  # of the proof's equations, relative to the largest multiplier
