@@ -1,1 +1,1 @@
-"""Any number of effectors through a general cone solver: slow, and the oracle for the others."""
+"""Conic solver: any number of effectors through Clarabel; slow, and the check on the others."""

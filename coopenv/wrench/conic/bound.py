@@ -1,13 +1,13 @@
-"""What an answer of `conic` is worth: a bound on the optimum that takes nobody's word.
+"""Bound on the optimum by weak duality, whatever multipliers the cone solver returned.
 
-For any multipliers λ of balance, any ζ with ‖ζ‖ ≤ c for every costed vector v of the wrench, and
-any ζ for every ball of an induced torque, with ζ_ball = −Gᵀλ − Σ ζ_cost − Σ ζ_disc for what is
-left, the optimum obeys
+Let λ be any multipliers of balance. Let ζ be any vector with ‖ζ‖ ≤ c for every costed vector v of
+the wrench, and any vector for every disc, the ball of an induced torque. For the other balls let
+ζ_ball = −Gᵀλ − Σ ζ_cost − Σ ζ_disc. Then the optimum J* obeys
 
 J(h) − J* ≤ Σ_cost [c‖v‖ + ζ·v] + ½ Σ_ball,disc [‖ζ‖‖v‖ + ζ·v]
 
-by weak duality. Every term is ≥ 0 and is evaluated without cancellation. The wrench is taken to the
-letter: what `conic` leaves out of its program as negligible or parallel counts here.
+Every term is ≥ 0 and is evaluated without cancellation. Parts of the wrench that the program leaves
+out as negligible or parallel count here.
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ class Duals(NamedTuple):
 
 
 class Bound(NamedTuple):
-    """What duals say about the optimum."""
+    """What multipliers say about the optimum."""
 
     shortfall: FloatArray  # J(h) − J* is no more than this, (m) [N]
     balance: FloatArray  # |λ|, what missing balance by 1 N or N·m is worth, as in `Duals`
@@ -91,9 +91,10 @@ def bounded(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> B
 
 
 def best_bound(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> Bound:
-    """Return the best of the bounds from these duals and, near agreement, some made up for it.
+    """Return the best of the bounds from these duals and, near agreement, from some others.
 
-    Where forces nearly agree the multipliers along Σ f grow as 1/sine, which no solver reaches.
+    Where forces nearly agree the best multipliers along Σ f grow as 1/sine. No solver reaches them,
+    so that they are tried as well.
     """
     bound = bounded(whole, grips, weights, duals)
     towards = direction(whole.force.sum(axis=-2, keepdims=True))
@@ -111,9 +112,9 @@ def best_bound(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -
 
 
 def _candidates(whole: Parts, weights: Prices, own: Duals, towards: FloatArray) -> list[Duals]:
-    """Multipliers along Σ f, alone and added to a solver's own.
+    """Return multipliers along Σ f, alone and added to a solver's own.
 
-    ζ = −c v/‖v‖ for forces, and for torques −ν, ν being along their sum or a solver's multiplier.
+    ζ is −c v/‖v‖ for forces. For torques it is −ν, where ν is along their sum or is the solver's.
     """
     dimension = whole.force.shape[-1]
     plain = default_duals(whole, weights)
@@ -142,7 +143,7 @@ def _keep_better(bound: Bound, where: NDArray[np.intp], other: Bound) -> None:
 
 
 def _disagreement(force: FloatArray, towards: FloatArray) -> FloatArray:
-    """Largest sine of the angle between a force and a direction, 1 if one opposes it."""
+    """Return the largest sine of the angle between a force and a direction, 1 if one opposes it."""
     along = (force * towards).sum(axis=-1)
     size = norm(force)
     sine = norm(force - along[..., None] * towards) / np.maximum(size, TINY)

@@ -1,4 +1,4 @@
-"""A cone program assembled piece by piece: min qᵀx subject to b − A x in a product of cones."""
+"""Cone programs for Clarabel: min qᵀx subject to b − A x in a product of cones, piece by piece."""
 
 from collections.abc import Callable
 from functools import lru_cache

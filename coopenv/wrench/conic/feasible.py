@@ -1,18 +1,18 @@
-"""From an answer that nearly balances and nearly fits its balls to one that does.
+"""Feasible answers from nearly feasible ones: wrenches that balance and are in all their balls.
 
-A wrench that leaves a ball by ε may be √ε cheaper than is possible, so that an interior-point
-answer must be brought back before its cost means anything. Newton steps do that: the shortest step
-that restores balance and takes each ball that was ever left to its surface. What is still outside
-then is drawn back towards the applied wrench, which keeps the balance: ‖θ x_I‖² ≤ θ xᵀx_I. The best
-of all steps counts.
+A wrench that leaves a ball by ε may be √ε cheaper than is possible. An interior-point answer must
+therefore be brought back before its cost means anything. Newton steps do that (`newton`): the
+shortest steps that restore balance and take each ball that was ever left to its surface. What is
+still outside after a step is drawn back towards the applied wrench, which keeps the balance:
+‖θ x_I‖² ≤ θ xᵀx_I. The best of all steps counts.
 
-All this is done to x_I, which is small where the set is thin: rounding of 1e-16 of x is worth 1e-8
-of its cost there, rounding of 1e-16 of x_I is not.
+All this is done to x_I, the internal part of x, which is small where the feasible set is thin.
+There, rounding of x by 1e-16 may change the cost by 1e-8, rounding of x_I by 1e-16 does not.
 """
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench.conic.newton import Samples, newton_step, samples_of
 from coopenv.wrench.conic.parts import (
     TINY,
@@ -45,7 +45,8 @@ def plausible(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return balanced plausible internal wrenches that save as much as can be found, and how much.
 
-    Third come the last that balance and leave no ball by more than `NEARLY`, NaN where none did.
+    The third array holds the last ones that balance and leave no ball by more than `NEARLY`. They
+    are NaN where there were none.
 
     Parameters
     ----------
@@ -65,6 +66,7 @@ def plausible(
     left = np.arange(len(applied))  # samples that are not done
     held = Flags(*(np.zeros(part.shape[:-1], dtype=np.bool_) for part in samples.whole))
     for _ in range(STEPS + 1):
+        # which balls are left, and what misses balance
         internal, parts, unit = _without_noise(internal, samples.grips)
         out = _excess(parts, samples)
         tolerance = rounding_of(parts, samples.whole, samples.grips)
@@ -73,16 +75,17 @@ def plausible(
         fits = ~np.logical_or.reduce([o.any(axis=-1) for o in outside])
         missing = -sum_at_centre(internal, samples.grips)
         miss = (np.abs(missing) / unit).max(axis=-1)
-        excess = [
-            (o > NEARLY * norm(v)) & (o > t)
-            for o, t, v in zip(out, tolerance, samples.whole, strict=True)
-        ]
-        near = (miss <= USABLE) & ~np.logical_or.reduce([e.any(axis=-1) for e in excess])
+        usable = miss <= USABLE
+
+        # keep the best
+        near = usable & _nearly_fits(out, tolerance, samples)
         nearly[left[near]] = internal[near]
-        if (miss <= USABLE).any():
+        if usable.any():
             reach, saved = _drawn_back(parts, outside, samples, weights)
-            better = (miss <= USABLE) & (saved > saving[left])
+            better = usable & (saved > saving[left])
             best[left[better]], saving[left[better]] = (reach * internal)[better], saved[better]
+
+        # go on with the samples that are not done
         todo = ~(fits & (miss <= BALANCED)) & (saving[left] < wanted[left])
         if not todo.any():
             break
@@ -91,6 +94,8 @@ def plausible(
             held = Flags(*(flags[todo] for flags in held))
             out, parts = (Parts(*(v[todo] for v in each)) for each in (out, parts))
             samples = samples_of(applied[left], grips[left])
+
+        # step
         internal = internal + newton_step(parts, missing / samples.unit, held, out, samples)
     if (saving < wanted).any():
         _share_torques_where_better(best, saving, applied, grips, weights)
@@ -104,7 +109,7 @@ def _share_torques_where_better(
     grips: FloatArray,
     weights: Prices,
 ) -> None:
-    """Overwrite answers, and what they save, that sharing the torques alone would beat."""
+    """Overwrite answers, and what they save, where sharing the torques alone saves more."""
     shared = applied - with_torques_shared(applied, grips.shape[-1])
     saved = saving_of(parts_of(shared, grips), parts_of(applied, grips), weights)
     better = saved > saving
@@ -123,7 +128,7 @@ def with_torques_shared(applied: FloatArray, dimension: int) -> FloatArray:
 
 
 def _on_rays(internal: FloatArray, samples: Samples) -> FloatArray:
-    """Turn what belongs on a line onto it, to the last bit."""
+    """Project forces that must stay on a line onto it, to the last bit."""
     dimension = samples.grips.shape[-1]
     line = direction(samples.whole.force)
     along = (internal[..., :dimension] * line).sum(axis=-1, keepdims=True) * line
@@ -135,7 +140,8 @@ def _on_rays(internal: FloatArray, samples: Samples) -> FloatArray:
 def _without_noise(internal: FloatArray, grips: FloatArray) -> tuple[FloatArray, Parts, FloatArray]:
     """Put forces and torques to 0 that are no more than rounding of the largest.
 
-    What must be 0 may not point anywhere else. Also return the parts, and their `balance_unit`.
+    Rounding points in any direction, which what must be 0 may not. Also returned are the parts, and
+    their `balance_unit`.
     """
     internal = internal.copy()
     parts = parts_of(internal, grips)  # force and torque are views
@@ -147,7 +153,7 @@ def _without_noise(internal: FloatArray, grips: FloatArray) -> tuple[FloatArray,
 
 
 def _excess(internal: Parts, samples: Samples) -> Parts:
-    """By how much parts leave their balls ``(m, n)``, negative inside; accurate near 0.
+    """Return by how much parts leave their balls ``(m, n)``, negative inside; accurate near 0.
 
     ‖x − v/2‖ − ‖v‖/2 = (‖x‖² − x·v) / (‖x − v/2‖ + ‖v‖/2)
     """
@@ -159,17 +165,26 @@ def _excess(internal: Parts, samples: Samples) -> Parts:
 
 
 def rounding_of(internal: Parts, whole: Parts, grips: FloatArray) -> Parts:
-    """By how much parts may leave their balls ``(m, n)``."""
+    """Return by how much parts may leave their balls ``(m, n)``."""
     force, torque = (
         ROUNDING * norm(x) + FLOOR * norm(v) for x, v in zip(internal[:2], whole[:2], strict=True)
     )
     return Parts(force, torque, force * norm(grips))
 
 
+def _nearly_fits(out: Parts, tolerance: Parts, samples: Samples) -> BoolArray:
+    """Whether no ball is left by more than rounding and `NEARLY` of its size ``(m,)``."""
+    far = [
+        ((o > NEARLY * norm(v)) & (o > t)).any(axis=-1)
+        for o, t, v in zip(out, tolerance, samples.whole, strict=True)
+    ]
+    return ~np.logical_or.reduce(far)
+
+
 def _drawn_back(
     parts: Parts, outside: Flags, samples: Samples, weights: Prices
 ) -> tuple[FloatArray, FloatArray]:
-    """Return by what to shrink internal wrenches ``(m, 1, 1)``, and what they save then [N]."""
+    """Return factors that shrink wrenches into their balls ``(m, 1, 1)``, and the saving [N]."""
     reach = np.ones(len(samples.unit))
     for x, v, o in zip(parts, samples.whole, outside, strict=True):
         room = np.maximum((x * v).sum(axis=-1), 0.0) / np.maximum((x * x).sum(axis=-1), TINY)

@@ -1,7 +1,7 @@
-"""The Newton step of `conic_feasible`: the shortest change to balanced wrenches on their balls.
+"""Newton steps of `feasible`: the shortest change to balanced wrenches on their balls.
 
-Effectors are coupled by the rows of balance only, so that a step comes down to one system of 3 or
-6 equations.
+The rows of balance alone couple the effectors, so that a step comes down to one system of 3 or 6
+equations.
 """
 
 from typing import NamedTuple
@@ -23,12 +23,12 @@ from coopenv.wrench.conic.parts import (
 )
 from coopenv.wrench.grasp import grasp_matrix
 
-SOFT = 1e-14  # balance comes before a ball by this square: thin sets have nearly no way out
+SOFT = 1e-14  # weight of a ball beside balance, squared; in thin sets both can hardly be met
 APART = 1e-6  # sine of the angle between a force's two balls from which on both can be met
 
 
 class Samples(NamedTuple):
-    """What does not change from step to step."""
+    """Applied wrenches and what follows from them; it does not change from step to step."""
 
     grips: FloatArray
     whole: Parts
@@ -82,8 +82,11 @@ def newton_step(
     samples
         The wrenches' applied ones.
     """
+    # constraints of each effector: a step to its balls, and a projection that keeps it there
     push, free = _force_constraints(parts, held, out, samples)
     turn, loose = _torque_constraints(parts, held, out, samples)
+
+    # one system for the multipliers of balance
     by_force = np.einsum("mkni,mnij->mknj", samples.force_balance, free)
     by_torque = np.einsum("mkni,mnij->mknj", samples.torque_balance, loose)
     matrix = np.einsum("mkni,mlni->mkl", by_force, samples.force_balance)
@@ -92,6 +95,8 @@ def newton_step(
     missing -= np.einsum("mkni,mni->mk", samples.torque_balance, turn)
     inverse = np.linalg.pinv(matrix, rcond=1e-15, hermitian=True)
     multipliers = np.einsum("mkl,ml->mk", inverse, missing)
+
+    # the step of each effector
     push = push + np.einsum("mkni,mk->mni", by_force, multipliers)
     turn = turn + np.einsum("mkni,mk->mni", by_torque, multipliers)
     sizes = samples.force_size[..., None], samples.torque_size[..., None]
@@ -138,5 +143,5 @@ def _force_constraints(
 
 
 def _outer(normal: FloatArray) -> FloatArray:
-    """Return n nᵀ, a little less of it."""
+    """Return (1 − `SOFT`) n nᵀ."""
     return (1.0 - SOFT) * normal[..., :, None] * normal[..., None, :]

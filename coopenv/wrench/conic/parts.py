@@ -1,19 +1,19 @@
-"""Forces, torques and induced torques of a batch of samples, as `conic` bounds and mends them."""
+"""Parts of wrenches with constraints of their own: forces, torques and induced torques."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
+from coopenv.compiled import TINY
 from coopenv.wrench.grasp import cross, moment
 
 PARALLEL = 1e-12  # sine of the angle below which two vectors count as parallel
 NEGLIGIBLE = 1e-12  # part of the largest force or torque below which a vector is left as applied
-TINY = 1e-300
 
 
 class Parts(NamedTuple):
-    """Something of each effector's force, torque and induced torque."""
+    """An array for each of forces, torques and induced torques."""
 
     force: FloatArray
     torque: FloatArray
@@ -21,7 +21,7 @@ class Parts(NamedTuple):
 
 
 class Prices(NamedTuple):
-    """What a force [1], a torque and an induced torque [1/m] cost."""
+    """Cost of forces [1], torques and induced torques [1/m]."""
 
     force: float
     torque: float
@@ -29,7 +29,7 @@ class Prices(NamedTuple):
 
 
 class Flags(NamedTuple):
-    """Something that is so or not of each effector's force, torque and induced torque."""
+    """Whether something holds for each of forces, torques and induced torques ``(m, n)``."""
 
     force: BoolArray
     torque: BoolArray
@@ -43,14 +43,14 @@ def parts_of(wrench: FloatArray, grips: FloatArray) -> Parts:
 
 
 def turned(torque: FloatArray, grips: FloatArray) -> FloatArray:
-    """Return S(r)ᵀ τ: what a multiplier of the torque r × f means for the force f."""
+    """Return S(r)ᵀ τ, the multiplier of a force f for a multiplier τ of the torque r × f."""
     if grips.shape[-1] == 2:
         return torque * np.stack([-grips[..., 1], grips[..., 0]], axis=-1)
     return cross(torque, grips)
 
 
 def balance_unit(whole: Parts, grips: FloatArray) -> FloatArray:
-    """Return the largest force, and torque it may have to balance, for each row ``(m, k)``."""
+    """Return the largest force or torque that is balanced in each row of balance ``(m, k)``."""
     force = norm(whole.force).max(axis=-1, keepdims=True)
     torque = np.maximum(
         norm(whole.torque).max(axis=-1, keepdims=True),

@@ -1,4 +1,4 @@
-"""The paper's program (eqs. 17-21) for one sample, stated for Clarabel."""
+"""The paper's optimisation problem (eqs. 17-21) for one sample, as a cone program."""
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from coopenv.wrench.grasp import grasp_matrix, sum_at_centre
 def wrench_program(
     whole: Parts, grips: FloatArray, weights: Prices, cost_unit: float, duals: Duals
 ) -> tuple[ConeProgram, list[tuple[Affine, Affine]]]:
-    """State eqs. 17-21 for one sample; also return force and torque of each effector in it.
+    """Return the program of one sample, and force and torque of each effector in it.
 
-    Every vector is in its own unit, balance in the largest, costs in ``cost_unit`` [N]. The
-    program's multipliers will be written to this sample's ``duals``.
+    Every vector has its own length as unit, balance the largest, costs ``cost_unit`` [N]. The
+    program will write its multipliers to ``duals``.
 
     Parameters
     ----------
@@ -33,29 +33,23 @@ def wrench_program(
         has_lever = lever > NEGLIGIBLE * longest
         radial = induced[i] <= PARALLEL * forces[i] * lever
         free = forces[i] > NEGLIGIBLE * largest_force
-        force = (
-            _vector(
-                program,
-                whole.force[i],
-                forces[i],
-                weights.force,
-                duals.force[i],
-                radial and has_lever,
-            )
-            if free
-            else _fixed(whole.force[i])
-        )
-        torque = (
-            _vector(
-                program, whole.torque[i], torques[i], weights.torque, duals.torque[i], size == 3
-            )
-            if torques[i] > NEGLIGIBLE * largest_torque
-            else _fixed(whole.torque[i])
-        )
+
+        # its force and torque
+        force, torque = _fixed(whole.force[i]), _fixed(whole.torque[i])
+        if free:
+            cost, zeta, on_ray = weights.force, duals.force[i], radial and has_lever
+            force = _vector(program, whole.force[i], forces[i], cost, zeta, on_ray)
+        if torques[i] > NEGLIGIBLE * largest_torque:
+            cost, zeta, on_ray = weights.torque, duals.torque[i], size == 3
+            torque = _vector(program, whole.torque[i], torques[i], cost, zeta, on_ray)
         parts.append((force, torque))
+
+        # the torque that its force induces
         if free and has_lever and not radial:
             unit = force.mapped(matrix[dimension:, i, :dimension] / induced[i])  # S(r_i)
             _limit_induced(program, unit, whole.induced[i], induced[i], weights.induced, duals, i)
+
+    # balance
     unit = np.full(size, largest_force)
     unit[dimension:] = largest_torque or 1.0
     matrix /= unit[:, None, None]
@@ -107,7 +101,7 @@ def _limit_induced(
     duals: Duals,
     effector: int,
 ) -> None:
-    """Constrain an induced torque to its ball (20), and count it if it has a cost."""
+    """Constrain an induced torque to its ball (eq. 20), and add its cost if it has one."""
     of_ball, of_cost = duals.disc[effector], duals.induced[effector]
     if len(moment) == 1:
         sign = moment[0] / size

@@ -79,6 +79,7 @@ def solve(sample, system, tolerance, patient):
     bound, kept, gap = np.inf, -np.inf, np.inf
     least, stalled, idle, began, suspicious = np.inf, 0, 0, 0, SUSPECT_MULTIPLIER
     balanced = BALANCED_PATIENT if patient else BALANCED
+    usual = USUAL_ITERATIONS + num_chunks(sample) // CHUNKS_PER_ITERATION
     iteration = 0
     for iteration in range(MAX_ITERATIONS):
         # bound what can be saved
@@ -87,9 +88,7 @@ def solve(sample, system, tolerance, patient):
             break
 
         # keep the best answer, and stop where it is good enough
-        slow = stalled > 0 or (
-            iteration >= USUAL_ITERATIONS + num_chunks(sample) // CHUNKS_PER_ITERATION
-        )
+        slow = stalled > 0 or iteration >= usual
         careful = patient or slow or sine < CLOSE
         promising = PROMISING_GAP if careful else PROMISING_GAP_OF_LONG_STEPS
         if iteration > began and bound - saved <= promising:

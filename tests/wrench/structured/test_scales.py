@@ -13,7 +13,7 @@ from tests.wrench.structured.cases import families
 DECADES = range(-6, 7)  # of levers, against 1 m, and of torques, against forces and 1 m
 COARSE = (-6, -3, 0, 3, 6)
 CERTIFIED = 1e-7  # bound in parts of J(h)
-BALANCED = 5e-13  # `certificate.BALANCED` for the largest component, here for a length
+BALANCED = 5e-13  # `tolerances.BALANCED` for the largest component, here for a length
 SENSIBLE = 1e8  # torque made by a force / pure torque, and the reverse
 
 
