@@ -72,7 +72,7 @@ from coopenv.wrench.structured.tolerances import LEAST_PIVOT, RAISED_PIVOT
 
 @fused
 def predict(sample, system):
-    """Factorise and find the step towards the optimum; return what `_find` does."""
+    """Factorise and find the step towards the optimum; return what `_find_direction` does."""
     clear_matrix(sample)
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
@@ -82,14 +82,14 @@ def predict(sample, system):
     for r in range(6):
         system[r, r] *= 1.0 + RAISED_PIVOT
     factorise_system(system)
-    return _find(sample, system, False)
+    return _find_direction(sample, system, False)
 
 
 @fused
 def correct(sample, system, target, refined):
     """Find the step towards s·z = ``target``, with the predictor's step in the right-hand side.
 
-    It replaces the predictor's; returned is what `_find` does.
+    It replaces the predictor's; returned is what `_find_direction` does.
     """
     clear_resultant(sample)
     for i in range(num_chunks(sample)):
@@ -97,7 +97,7 @@ def correct(sample, system, target, refined):
         for c in range(num_cones(b)):
             write_corrector(cone_of(b, c), target, b[CONES] > c)
         _load(sample, i)
-    return _find(sample, system, refined)
+    return _find_direction(sample, system, refined)
 
 
 @fused
@@ -188,7 +188,7 @@ def _load(sample, i):
 
 
 @fused
-def _find(sample, system, refined):
+def _find_direction(sample, system, refined):
     """Solve for dν, and write dg, ds and dz of every block.
 
     Returns the longest steps that keep every s and every z in its cone, Σ ds·z, Σ s·dz, and
