@@ -13,7 +13,15 @@ from coopenv.wrench.structured.balance import (
 )
 from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chunk, num_chunks
 from coopenv.wrench.structured.bound import leaving, products, saving
-from coopenv.wrench.structured.lanes import larger, largest, size, smaller, smallest, splat, where
+from coopenv.wrench.structured.lanes.vectors import (
+    larger,
+    largest,
+    size,
+    smaller,
+    smallest,
+    splat,
+    where,
+)
 from coopenv.wrench.structured.newton import under_hessian
 from coopenv.wrench.structured.tolerances import (
     BALANCE_ROUNDING,

@@ -3,7 +3,8 @@
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.structured.lanes import (
+from coopenv.wrench.structured.lanes.memory import after, four_at
+from coopenv.wrench.structured.lanes.vectors import (
     larger,
     largest,
     root,
@@ -15,7 +16,6 @@ from coopenv.wrench.structured.lanes import (
     total,
     where,
 )
-from coopenv.wrench.structured.memory import after, four_at
 
 X, Y, RESULTS = 0, 1, 2  # fields of the tests' memory
 

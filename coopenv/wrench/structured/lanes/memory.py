@@ -19,7 +19,14 @@ from numba.extending import lower_builtin
 from numba.np.numpy_support import carray
 
 from coopenv.compiled import fused
-from coopenv.wrench.structured.lanes import LANES, VECTOR, declared, in_llvm, lanes, new_type
+from coopenv.wrench.structured.lanes.vectors import (
+    LANES,
+    VECTOR,
+    declared,
+    in_llvm,
+    lanes,
+    new_type,
+)
 
 TABLE_WIDTH = 6
 POINTER = ir.DoubleType().as_pointer()
