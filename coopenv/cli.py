@@ -171,7 +171,9 @@ def _read(arguments: Sequence[str] | None) -> Command:
     try:
         import tyro
     except ImportError as error:
-        raise MissingExtra("the command line", "train") from error
+        wanted = list(sys.argv[1:] if arguments is None else arguments)[:1]
+        extra = "analysis" if wanted == ["decompose"] else "train"
+        raise MissingExtra("the command line", extra) from error
     return tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="coopenv",

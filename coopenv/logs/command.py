@@ -4,9 +4,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from coopenv.errors import MissingExtra
+
+try:
+    import tyro
+
+    ALONE = (tyro.conf.FlagCreatePairsOff,)  # a flag that a layout may also hold: none undoes it
+except ImportError:  # asked for where the command line is read
+    ALONE = ("a flag",)
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -14,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Decompose:
-    """Decompose a recorded trial: a table and a picture beside the file, a summary here.
+    """Decompose a recorded trial: table, picture and summary beside the file, the summary here too.
 
     Reads CSV, NPZ or Parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on;
     docs/recordings.md lists them all.
@@ -57,7 +64,7 @@ class Decompose:
     """Up (default) or down: then y, planar torques and angles change sign."""
     space: str | None = None
     """Plane leaves out what points out of it; auto (default) goes by the columns."""
-    forces_only: bool | None = None
+    forces_only: Annotated[bool, *ALONE] = False
     """The effectors apply no torque, and the file has no such columns."""
     decimal: str | None = None
     """What separates decimals in a CSV file: . (default) or a comma."""
@@ -91,7 +98,9 @@ class Decompose:
 
         options = [entry.name for entry in fields(Layout) if entry.name != "columns"]
         said: dict[str, Any] = {
-            name: getattr(self, name) for name in options if getattr(self, name) is not None
+            name: getattr(self, name)
+            for name in options
+            if getattr(self, name) is not None and (name != "forces_only" or self.forces_only)
         }
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         settings = Settings(
@@ -114,8 +123,9 @@ class Decompose:
                 report=report,
             )
         summary.print(console)
-        files = [str(each) for each in (summary.table, summary.picture) if each is not None]
-        console.print(f"wrote {' and '.join(files)}", markup=False, highlight=False, soft_wrap=True)
+        files = (summary.table, summary.picture, summary.written)
+        names = ", ".join(str(each) for each in files if each is not None)
+        console.print(f"wrote {names}", markup=False, highlight=False, soft_wrap=True)
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.formats.chunks import Chunk
+from coopenv.logs.layout import LARGEST
 from coopenv.logs.plan import Plan
 
 BAD_ROWS = ("error", "skip")
@@ -55,7 +56,13 @@ class Faults:
             At the first bad row, unless they are to be skipped.
         """
         good = np.ones(chunk.rows, dtype=np.bool_)
-        for find in (self._ragged, self._not_finite, self._time, self._quaternion):
+        for find in (
+            self._ragged,
+            self._not_finite,
+            self._beyond_measure,
+            self._time,
+            self._quaternion,
+        ):
             for bad, describe in find(chunk, starts, previous_time):
                 if bad.any():
                     good &= ~bad
@@ -93,7 +100,18 @@ class Faults:
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (
-                    f", {called} must be a finite number, got {chunk.text(row, column)!r}"
+                    f", {called} must be {chunk.rule}, got {chunk.text(row, column)!r}"
+                ),
+            )
+
+    def _beyond_measure(self, chunk: Chunk, *_: object):
+        for name in self._required():
+            column, factor = self._plan.source[name], self._plan.factor[name]
+            yield (
+                np.abs(chunk.numbers[column]) > LARGEST / abs(factor),
+                lambda row, column=column: (
+                    f", column {column!r} must be at most {LARGEST:g} in SI units, got "
+                    f"{chunk.text(row, column)!r}"
                 ),
             )
 

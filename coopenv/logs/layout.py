@@ -34,6 +34,8 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """What may be declared for each quantity, and its factor to SI; the first is the default."""
 
+LARGEST = 1e50  # of what is measured, in SI units: products of it are numbers still
+
 CHOICES = {
     "frame": ("object", "world"),
     "twist_frame": ("object", "world"),
@@ -53,7 +55,8 @@ class Layout:
     UnknownName
         If a column, frame or unit is none of those there are.
     InvalidInput
-        If the grips are no such numbers, or a column that is mapped is not a documented one.
+        If a field is of another type, the grips are no such numbers, or a column that is mapped
+        is not a documented one.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -90,7 +93,17 @@ class Layout:
             if unit not in known:
                 raise UnknownName(f"unit of {quantity}", unit, known)
             object.__setattr__(self, quantity, unit)
-        for name in self.columns:
+        if not isinstance(self.forces_only, bool):
+            raise InvalidInput(
+                f"forces_only must be true or false, got {self.forces_only!r}; write it without "
+                "quotation marks"
+            )
+        for name, theirs in self.columns.items():
+            if not isinstance(theirs, str):
+                raise InvalidInput(
+                    f"columns must map names to names, got {name} = {theirs!r}; write the name of "
+                    "a column in quotation marks"
+                )
             if not is_documented(name):
                 raise InvalidInput(
                     f"columns must map documented names, got {name!r}; those are time, x, y, theta,"
@@ -99,7 +112,10 @@ class Layout:
         if self.grips is not None:
             object.__setattr__(self, "grips", _checked_grips(self.grips))
         named = self.trial_columns  # one name is no sequence of letters
-        named = (named,) if isinstance(named, str) else tuple(named)
+        named = (named,) if isinstance(named, str) else named
+        if not isinstance(named, tuple | list) or not all(isinstance(each, str) for each in named):
+            raise InvalidInput(f"trial_columns must be names of columns, got {named!r}; list them")
+        named = tuple(named)
         object.__setattr__(self, "trial_columns", named)
 
     def factor(self, quantity: str) -> float:
@@ -116,7 +132,13 @@ class Layout:
                 f"grips must be 2 or 3 numbers for each of {num_effectors} effectors, got "
                 f"{grips.size} numbers; the columns f1x, f2x … say how many effectors there are"
             )
-        return grips.reshape(num_effectors, -1) * self.factor("length")
+        grips = grips.reshape(num_effectors, -1) * self.factor("length")
+        if np.abs(grips).max() > LARGEST:
+            raise InvalidInput(
+                f"grips must be at most {LARGEST:g} m from the centre of mass, got "
+                f"{np.abs(grips).max():g} m; correct them"
+            )
+        return grips
 
     @classmethod
     def load(cls, path: str | os.PathLike | None = None, **said: Any) -> "Layout":
@@ -162,6 +184,8 @@ def parse_mapping(pairs: Iterable[str]) -> dict[str, str]:
 
 
 def _checked_grips(grips: Any) -> tuple:
+    if np.ma.is_masked(grips):
+        raise InvalidInput("grips must have no masked values, got some; give every position")
     array = finite_array(grips, "grips")
     nested = array.ndim == 2 and array.shape[1] in (2, 3)
     if not array.size or not (nested or array.ndim == 1):

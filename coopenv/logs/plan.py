@@ -83,7 +83,8 @@ def make_plan(
             "out --grips or the columns (--map r1x=)"
         )
     twist = _twist(need, dimension)
-    required += [*twist, *need(*_pose(layout, dimension, grips_vary, bool(twist)))]
+    in_world = "what the file has in the world frame needs it; if nothing is, say --frame object"
+    required += [*twist, *need(*_pose(layout, dimension, grips_vary, bool(twist)), remedy=in_world)]
     pose = (*POSITION[dimension], *ORIENTATION[dimension])
     optional = [name for name in pose if name in found and name not in required]
     source = {name: found[name] for name in required + optional}
@@ -212,9 +213,11 @@ class _Need:
 
     def _remedy(self, name: str) -> str:
         """An option that does without the column, if nothing of its kind is there."""
-        if name[0] == "t" and name != "time" and not _some(self.found, "t"):
+        effector = EFFECTOR.fullmatch(name)
+        kind = "" if effector is None else effector[1]
+        if kind == "t" and not _some(self.found, "t"):
             return "say --forces-only if the effectors apply no torque"
-        if name[0] == "r" and not _some(self.found, "r"):
+        if kind == "r" and not _some(self.found, "r"):
             return "or give the grips once with --grips"
         return ""
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
+from coopenv.logs.access import reading
+from coopenv.logs.assumptions import assumptions
 from coopenv.logs.convert import Measured, in_si, turned_over
 from coopenv.logs.faults import Faults
 from coopenv.logs.formats import open_source
@@ -20,7 +22,13 @@ from coopenv.logs.trials import Trials
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Recording:
-    """What was recorded, row by row; rows that could not be used are NaN and not ``good``."""
+    """What was recorded, row by row; rows that could not be used are NaN and not ``good``.
+
+    Raises
+    ------
+    InvalidInput
+        If an array has masked values.
+    """
 
     time: FloatArray | None  # (T,) [s]
     applied: FloatArray  # (T, n, 3) or (T, n, 6), object frame [N, N·m]
@@ -31,6 +39,14 @@ class Recording:
     carried: dict[str, Column]  # the file's other columns, (T,) each
     trial: IntArray  # (T,) number of the trial, from 0
     good: BoolArray  # (T,)
+
+    def __post_init__(self):
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if entry.name != "carried":
+                object.__setattr__(self, entry.name, _unmasked(value, entry.name))
+        for name in [name for name, column in self.carried.items() if np.ma.isMA(column)]:
+            self.carried[name] = _unmasked(self.carried[name], f"carried column {name!r}")
 
     def __len__(self) -> int:
         return len(self.applied)
@@ -102,7 +118,8 @@ def read(
         If reading it needs the extra ``analysis``.
     """
     recording = Recording.joined(list(Reader(path, layout, bad_rows=bad_rows)))
-    carried = {name: _as_numbers(column) for name, column in recording.carried.items()}
+    decimal = layout.decimal if layout is not None else "."
+    carried = {name: _as_numbers(column, decimal) for name, column in recording.carried.items()}
     recording.carried.update(carried)
     return recording
 
@@ -128,13 +145,14 @@ class Reader:
         self.left_out = [*self._source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
+        self.assumed = assumptions(self.layout, self.plan, self._grips)
 
     def __iter__(self) -> Iterator[Recording]:
         plan = self.plan
         trials = Trials(self._trial_columns())
         time_column = plan.source.get("time")
         rows = 0
-        for chunk in self._source.chunks(list(plan.source.values()), plan.carried):
+        for chunk in self._chunks():
             time = chunk.numbers[time_column] if time_column else np.full(chunk.rows, np.nan)
             trial, starts, previous = trials.of(chunk.carried, time, chunk.whole)
             good = self.faults.good_rows(chunk, starts, previous)
@@ -142,6 +160,16 @@ class Reader:
             yield self._converted(chunk, trial, good)
         if not rows:
             raise InvalidInput(f"{self.path} must have rows of data, got none; record some")
+
+    def _chunks(self) -> Iterator[Chunk]:
+        """Those of the file; what is damaged further on shows only here."""
+        chunks = self._source.chunks(list(self.plan.source.values()), self.plan.carried)
+        while True:
+            with reading(self.path):
+                chunk = next(chunks, None)
+            if chunk is None:
+                return
+            yield chunk
 
     def _trial_columns(self) -> list[str]:
         """Those there are; the default ones need not be."""
@@ -208,13 +236,29 @@ class Reader:
         )
 
 
-def _as_numbers(column: Column) -> Column:
+def _unmasked(value: Any, name: str) -> Any:
+    """The plain array of a masked one of which nothing is masked."""
+    if not np.ma.isMA(value):
+        return value
+    if np.ma.is_masked(value):
+        raise InvalidInput(
+            f"{name} must have no masked values, got {np.ma.count_masked(value)}; fill them with "
+            "NaN, and say of their rows that they are not good"
+        )
+    return np.asarray(value)
+
+
+def _as_numbers(column: Column, decimal: str) -> Column:
     """A column of text as numbers, if that is what all of it says."""
     if column.dtype.kind not in "OU":
         return column
+    texts = column.tolist()
+    foreign = "_" if decimal == "." else "_."  # 1.234 may be meant as 1,234: it stays text
     try:
-        numbers = np.array([float(text) for text in column.tolist()])
-    except (TypeError, ValueError):
+        if any(sign in text for text in texts for sign in foreign):
+            return column
+        numbers = np.array([float(text.replace(decimal, ".")) for text in texts])
+    except (AttributeError, TypeError, ValueError):
         return column
     whole = numbers.astype(np.int64) if np.isfinite(numbers).all() else numbers
     return whole if (whole == numbers).all() else numbers

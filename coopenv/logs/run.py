@@ -1,17 +1,19 @@
-"""Decomposition of a recorded file to a table, a picture and a summary, chunk by chunk."""
+"""Decomposition of a recorded file to table, picture and summary, chunk by chunk."""
 
 import os
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
 from coopenv.files import written
+from coopenv.logs.access import require_file, require_writable, writing
 from coopenv.logs.analysis import analyse
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import find_format, open_sink
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
+from coopenv.logs.plausibility import Check
 from coopenv.logs.recording import Reader
 from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
@@ -27,9 +29,9 @@ def decompose_file(
     picture: bool = True,
     report: Callable[[float], object] | None = None,
 ) -> Summary:
-    """Decompose every row of a file; write a table and a picture of its time series.
+    """Decompose every row of a file; write a table, a picture of its time series and a summary.
 
-    Memory does not grow with the number of rows. Table and picture are written whole, or neither.
+    Memory does not grow with the number of rows. All three are written whole, or none.
 
     Parameters
     ----------
@@ -37,7 +39,8 @@ def decompose_file(
         A CSV, NPZ or Parquet file; docs/recordings.md lists its columns.
     out
         Of the table, whose suffix says its format; ``trial.decomposed.csv`` beside ``trial.csv`` if
-        ``None``. The picture has the same name, ending in ``.png``.
+        ``None``. The picture has the same name, ending in ``.png``, the summary in
+        ``.summary.json``.
     layout
         How the columns are called, their frames and units.
     settings
@@ -52,7 +55,8 @@ def decompose_file(
     Raises
     ------
     InvalidInput
-        If the file, a column or a row is wrong; the message names file, line and column.
+        If the file, a column or a row is wrong, or a file cannot be read or written; the message
+        names file, line and column.
     MissingExtra
         If a format or the picture needs the extra ``analysis``.
     """
@@ -62,27 +66,44 @@ def decompose_file(
     drawing = Picture(f"{path.name}, {settings.method}") if picture else None
     beside = table.with_suffix(".png")
     image = beside if picture else None
-    with ExitStack() as stack:
-        part = stack.enter_context(written(table))
-        image_part = None if image is None else stack.enter_context(written(image))
+    said = table.with_suffix(".summary.json")
+    with writing(table), ExitStack() as stack:
+        part = stack.enter_context(_begun(table))
+        image_part = None if image is None else stack.enter_context(_begun(image))
+        said_part = stack.enter_context(_begun(said))
         sink = open_sink(part)
         try:
-            collector = _fill(sink, reader, settings, drawing, report)
+            collector, check = _fill(sink, reader, settings, drawing, report)
             sink.close()
         except BaseException:
-            sink.abandon()
+            with suppress(OSError, ValueError):  # what went wrong first is what is told
+                sink.abandon()
             raise
         if drawing is not None and image_part is not None:
             drawing.draw(image_part)
-    return collector.summary(
-        table=table,
-        picture=image,
-        method=settings.method,
-        bad_rows=reader.faults.count,
-        first_bad=reader.faults.first.partition(";")[0],
-        left_out=tuple(reader.left_out),
-        old_picture=beside if image is None and beside.is_file() else None,
-    )
+        summary = collector.summary(
+            table=table,
+            picture=image,
+            written=said,
+            method=settings.method,
+            bad_rows=reader.faults.count,
+            first_bad=reader.faults.first.partition(";")[0],
+            left_out=tuple(reader.left_out),
+            assumed=reader.assumed,
+            plausibility=check.result(),
+            old_picture=beside if image is None and beside.is_file() else None,
+        )
+        summary.save(said_part)
+    return summary
+
+
+@contextmanager
+def _begun(path: Path) -> Iterator[Path]:
+    """As `coopenv.files.written`, found out to be possible before any work is done."""
+    require_writable(path)
+    with written(path) as part:
+        part.touch()
+        yield part
 
 
 def _fill(
@@ -91,9 +112,9 @@ def _fill(
     settings: Settings,
     drawing: Picture | None,
     report: Callable[[float], object] | None,
-) -> Collector:
+) -> tuple[Collector, Check]:
     """Everything, chunk by chunk."""
-    collector = Collector()
+    collector, check = Collector(), Check(reader.layout)
     for recording in reader:
         try:
             analysis = analyse(recording, settings)
@@ -101,24 +122,24 @@ def _fill(
             raise InvalidInput(f"{reader.path}: {error}") from error
         sink.write(analysis.columns)
         collector.add(recording, analysis)
+        check.add(recording)
         if drawing is not None:
             drawing.add(recording, analysis)
         if report is not None:
             report(reader.progress)
-    return collector
+    return collector, check
 
 
 def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
     """Where the input is and the table goes."""
+    require_file(path)
     known = find_format(path).suffixes
     suffix = path.suffix if len(known) == 1 else known[0]  # a table is CSV, whatever text was read
     table = path.with_name(f"{path.stem}.decomposed{suffix}") if out is None else out
     find_format(table)
-    if table.exists() and path.exists() and table.samefile(path):
-        raise InvalidInput(f"out must not be the input, got {str(table)!r}; choose another name")
-    for each in (table, table.with_suffix(".png")):
-        if each.is_dir():
+    with writing(table):
+        if table.exists() and table.samefile(path):
             raise InvalidInput(
-                f"out must be a file, got a folder {str(each)!r}; choose another name"
+                f"out must not be the input, got {str(table)!r}; choose another name"
             )
     return path, table

@@ -1,14 +1,16 @@
-"""Summary of a decomposed recording: means, percentiles, residuals, bad rows."""
+"""Summary of a decomposed recording: what was assumed, means, percentiles, residuals, bad rows."""
 
-from dataclasses import dataclass
+import json
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.analysis import Analysis, Worst
+from coopenv.logs.plausibility import Plausibility
 from coopenv.logs.recording import Recording
 
 if TYPE_CHECKING:
@@ -46,6 +48,7 @@ class Summary:
 
     table: Path
     picture: Path | None
+    written: Path  # this, as JSON
     rows: int
     bad_rows: int
     first_bad: str  # what is wrong with the first of them
@@ -58,6 +61,8 @@ class Summary:
     worst: Worst
     measures: tuple[Measure, ...]
     left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used
+    assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
+    plausibility: Plausibility  # whether that goes with how the object moved
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
@@ -96,6 +101,8 @@ class Summary:
             lines.append(f"left out, as no columns or not used: {', '.join(self.left_out)}")
         if self.old_picture is not None:
             lines.append(f"{self.old_picture} was there before and shows another table")
+        lines += [f"assumed {line}" for line in self.assumed]
+        lines += [self._motion(), *(f"warning: {each}" for each in self.plausibility.warnings)]
         worst = self.worst
         lines.append(
             f"worst residuals: balance {worst.balance:.1e} N or N·m, force {worst.force:.1e} N, "
@@ -103,6 +110,34 @@ class Summary:
             f"largest gap {self.gap:.1e} N; {self.fallbacks:,} fallbacks"
         )
         return lines
+
+    def _motion(self) -> str:
+        """How well what was assumed explains the motion."""
+        if self.plausibility.unchecked:
+            return f"not compared with the motion: {self.plausibility.unchecked}"
+        parts = [
+            f"{100 * share:.0f} % of {name}"
+            for name, share in self.plausibility.fit._asdict().items()
+            if not np.isnan(share)
+        ]
+        return f"motion explains, as assumed, {', '.join(parts)}"
+
+    def save(self, path: Path) -> None:
+        """Write it as JSON; what is undefined is null."""
+        content = {**asdict(self), "worst": self.worst._asdict()}
+        content["plausibility"]["fit"] = self.plausibility.fit._asdict()
+        path.write_text(json.dumps(_plain(content), indent=2, ensure_ascii=False), "utf-8")
+
+
+def _plain(value: Any) -> Any:
+    """With null for NaN, and text for paths."""
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value
 
 
 class Collector:
@@ -136,16 +171,20 @@ class Collector:
         *,
         table: Path,
         picture: Path | None,
+        written: Path,
         method: str,
         bad_rows: int,
         first_bad: str,
         left_out: tuple[str, ...],
+        assumed: tuple[str, ...],
+        plausibility: Plausibility,
         old_picture: Path | None = None,
     ) -> Summary:
         """Summary of all rows so far, with what only the caller knows."""
         return Summary(
             table=table,
             picture=picture,
+            written=written,
             rows=self._rows,
             bad_rows=bad_rows,
             first_bad=first_bad,
@@ -158,6 +197,8 @@ class Collector:
             worst=self._worst,
             measures=tuple(kept.measure(name) for name, kept in self._columns.items()),
             left_out=left_out,
+            assumed=assumed,
+            plausibility=plausibility,
             old_picture=old_picture,
         )
 

@@ -99,6 +99,7 @@ def test_the_table_stands_beside_the_file_with_its_picture(tmp_path):
     summary = decompose_file(path, layout=BEAM, report=done.append)
     assert {each.name for each in tmp_path.iterdir()} == {
         "trial.csv", "trial.decomposed.csv", "trial.decomposed.png",
+        "trial.decomposed.summary.json",
     }  # fmt: skip
     assert summary.picture is not None
     assert summary.picture.read_bytes().startswith(b"\x89PNG")

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
+from coopenv.logs.access import reading, require_file
 from coopenv.logs.formats.chunks import Format, Sink, Source
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
@@ -26,14 +27,14 @@ def open_source(path: str | os.PathLike, decimal: str = ".") -> Source:
     Raises
     ------
     InvalidInput
-        If there is no such file, or its suffix or content is not understood.
+        If there is no such file, or it cannot be read, or its suffix or content is not understood.
     MissingExtra
         If reading it needs the extra ``analysis``.
     """
     path = Path(path)
-    if not path.is_file():
-        raise InvalidInput(f"file must exist, got {str(path)!r}; check its name")
-    return find_format(path).source(path, decimal)
+    require_file(path)
+    with reading(path):
+        return find_format(path).source(path, decimal)
 
 
 def open_sink(path: str | os.PathLike) -> Sink:

@@ -24,6 +24,7 @@ class Chunk:
     rows: int
     first_row: int  # its number in the file, from 1, the header not counted
     progress: float  # share of the file that has been read, in [0, 1]
+    rule: str = "a finite number"  # what a number must be, in messages
     fields: IntArray | None = None  # (T,) number of fields where it is wrong, else 0; text only
 
     @property

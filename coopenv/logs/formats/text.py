@@ -36,6 +36,7 @@ class TextSource(Source):
         except ImportError as error:
             raise MissingExtra("reading CSV", "analysis") from error
         self._path, self._decimal = path, decimal
+        self._rule = "a finite number" + " without a point (--decimal ,)" * (decimal == ",")
         with path.open("rb") as file:
             header = file.readline()
             self._body = file.tell()
@@ -44,6 +45,11 @@ class TextSource(Source):
             seen = "a blank line" if header.endswith(b"\n") else "an empty file"
             raise InvalidInput(
                 f"{path}, line 1 must name the columns, got {seen}; begin the file with its header"
+            )
+        if "\0" in text:
+            raise InvalidInput(
+                f"{path}, line 1 must name the columns, got bytes that are no text; export the "
+                "recording as CSV"
             )
         if "\r" in text:
             raise InvalidInput(
@@ -75,6 +81,7 @@ class TextSource(Source):
                     rows=lines.rows,
                     first_row=row,
                     progress=progress,
+                    rule=self._rule,
                     fields=np.where(good, 0, lines.fields[lines.kept]),
                     lines=lines,
                     first_line=line,
@@ -83,7 +90,13 @@ class TextSource(Source):
 
     def split(self, line: str) -> list[str]:
         """Fields of a line, without quotation marks."""
-        return next(csv.reader([line], delimiter=self.separator), [])
+        try:
+            return next(csv.reader([line], delimiter=self.separator), [])
+        except csv.Error as error:
+            raise InvalidInput(
+                f"{self._path} must be a text table, got a line that is none ({error}); export it "
+                "as CSV"
+            ) from error
 
     def _blocks(self) -> Iterator[tuple[bytes, float]]:
         """Whole lines of the body, each with its line feed, and the share that has been read."""
@@ -119,7 +132,9 @@ class TextSource(Source):
         try:
             return self._table(data, dict.fromkeys(numbers, pa.string()) | texts)
         except pa.ArrowInvalid as error:
-            raise InvalidInput(f"{self._path} must be CSV in UTF-8, got {error}") from error
+            raise InvalidInput(
+                f"{self._path} must be CSV in UTF-8, got {error}; save it again"
+            ) from error
 
     def _table(self, data: bytes, types: dict[str, Any]) -> Any:
         import pyarrow as pa
@@ -258,7 +273,9 @@ def _numbers(column: Any, decimal: str) -> FloatArray:
 
 def _number(text: str, decimal: str) -> float:
     try:
-        return np.nan if "_" in text else float(text.replace(decimal, "."))
+        if "_" in text or (decimal != "." and "." in text):  # 1.234 may be meant as 1,234
+            return np.nan
+        return float(text.replace(decimal, "."))
     except ValueError:
         return np.nan
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.logs.faults import QUATERNION_TOLERANCE
+from coopenv.logs.layout import LARGEST
 from coopenv.logs.recording import Recording
 
 WINDOW = 0.2  # [s] shorter than the motions of people, longer than the delays of sensors
@@ -83,7 +84,8 @@ def _usable(recording: Recording) -> BoolArray:
     usable = recording.good
     for values in (recording.position, recording.orientation):
         if values is not None:
-            usable = usable & np.isfinite(values.reshape(len(values), -1)).all(axis=-1)
+            flat = values.reshape(len(values), -1)
+            usable = usable & (np.abs(flat) <= LARGEST).all(axis=-1)  # False for NaN
     if recording.orientation is not None and recording.orientation.ndim == 2:
         length = np.linalg.norm(recording.orientation, axis=-1)
         usable = usable & (np.abs(length - 1) < QUATERNION_TOLERANCE)
