@@ -49,14 +49,9 @@ def spatial(seed: int, *, rate: float = 100.0, duration: float = 12.0, noise: fl
     time = np.arange(0, duration, 1 / rate)
     inertia = np.array([0.3, 2.0, 2.2])
     position, velocity, acceleration = _smooth(rng, time, (0.6, 0.6, 0.4))
-    angle, rate_of, _ = _smooth(rng, time, (0.8, 0.8, 0.8))
-    rotation = Rotation.from_rotvec(angle)
-    del rate_of
-    fine = Rotation.from_rotvec(angle)
-    spin = np.gradient(np.zeros((len(time), 3)), axis=0)
-    turned = (fine[:-1].inv() * fine[1:]).as_rotvec() * rate
-    spin[1:-1] = (turned[1:] + turned[:-1]) / 2
-    spin[0], spin[-1] = turned[0], turned[-1]
+    rotation = Rotation.from_rotvec(_smooth(rng, time, (0.8, 0.8, 0.8))[0])
+    turned = (rotation[:-1].inv() * rotation[1:]).as_rotvec() * rate
+    spin = np.concatenate([turned[:1], (turned[1:] + turned[:-1]) / 2, turned[-1:]])
     change = np.gradient(spin, 1 / rate, axis=0)
     force = rotation.inv().apply(MASS * (acceleration + np.array([0, 0, 9.81])))
     torque = inertia * change + np.cross(spin, inertia * spin)
@@ -90,8 +85,8 @@ def noisy(columns: dict[str, FloatArray], rng: np.random.Generator, scale: float
     return made
 
 
-def carried(seed: int, env: str = "", steps: int = 200, **config: Any) -> dict:
-    """A trial of the simulator: a controller and a restless partner."""
+def carried(seed: int, steps: int = 200, **config: Any) -> tuple[dict, tuple]:
+    """A trial of the simulator, a controller and a restless partner; and its grips."""
     core = coopenv.Transport(num_worlds=1, **config)
     leader, partner = ImpedanceController(core.config), RandomPolicy(core.config, seed=seed)
     rows = []
@@ -122,7 +117,8 @@ def carried(seed: int, env: str = "", steps: int = 200, **config: Any) -> dict:
         "omega",
     ]
     columns = dict(zip(names, np.array(rows).T, strict=True))
-    return noisy(columns, np.random.default_rng(seed), 1.0)
+    grips = tuple(tuple(grip) for grip in step.team.grips.reshape(-1, 2).tolist())
+    return noisy(columns, np.random.default_rng(seed), 1.0), grips
 
 
 def _smooth(rng: np.random.Generator, time: FloatArray, sizes: tuple) -> tuple:

@@ -91,6 +91,20 @@ def test_what_is_wrong_is_said_in_one_line(change, options, says, tmp_path, caps
     assert [each.name for each in tmp_path.iterdir()] == ["trial.csv"]
 
 
+@pytest.mark.parametrize("where", ["before", "after", "layout"])
+def test_forces_only_is_a_flag(where, tmp_path):
+    columns = {name: values for name, values in cases.planar().items() if not name.endswith("z")}
+    path = cases.save(columns, tmp_path / "trial.npz")
+    (tmp_path / "lab.toml").write_text("forces_only = true")
+    words = {
+        "before": ("--forces-only", path),
+        "after": (path, "--forces-only"),
+        "layout": (path, "--layout", tmp_path / "lab.toml"),
+    }
+    assert run("decompose", *words[where], "--grips", *cases.BEAM, "--no-picture") == 0
+    assert not cases.load(tmp_path / "trial.decomposed.npz")["t1z"].any()
+
+
 def test_bad_rows_are_told_of_when_they_are_passed_over(tmp_path, capsys):
     columns = cases.planar()
     columns["f1x"][3] = np.nan

@@ -1,6 +1,7 @@
 """However a file is laid out, the same trial gives the same answer."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -254,3 +255,40 @@ def test_separators_are_found_and_decimal_commas_may_be_said(separator, decimal,
     (tmp_path / "b.txt").write_text("\ufeff" + text.replace("\n", "\r\n\r\n"), encoding="utf-8")
     recording = read(tmp_path / "b.txt", Layout(grips=GRIPS, decimal=decimal))
     same(plain, analyse(recording))
+
+
+def test_a_point_where_commas_separate_decimals_is_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    text = "time;f1x;f1y;t1z\n0;1,5;2;3\n1;1.234;2;3\n"
+    path.write_text(text)
+    layout = Layout(grips=(0.0, 0.0), decimal=",")
+    with pytest.raises(InvalidInput, match=r"line 3, column 'f1x' must be .* without a point"):
+        read(path, layout)
+    assert read(path, layout, bad_rows="skip").good.tolist() == [True, False]
+    path.write_text(text.replace("1.234", "1,234").replace("\n", ";7,5\n").replace("z;7,5", "z;a"))
+    assert read(path, layout).carried["a"].tolist() == [7.5, 7.5]
+    path.write_text(text.replace("1.234", "1").replace("\n", ";7.5\n").replace("z;7.5", "z;a"))
+    assert read(path, layout).carried["a"].tolist() == ["7.5", "7.5"]
+
+
+def test_masked_arrays_are_refused_where_something_is_masked(tmp_path):
+    recording = read(cases.save(cases.planar(), tmp_path / "a.npz"), Layout(grips=GRIPS))
+    masked = np.ma.masked_greater(recording.applied, 1.0)
+    with pytest.raises(InvalidInput, match="applied must have no masked values, got"):
+        replace(recording, applied=masked)
+    with pytest.raises(InvalidInput, match="'note' must have no masked values"):
+        replace(recording, carried={"note": np.ma.masked_less(np.arange(40), 3)})
+    with pytest.raises(InvalidInput, match="grips must have no masked values"):
+        Layout(grips=np.ma.masked_equal(GRIPS, 0.9))
+    plain = replace(recording, applied=np.ma.masked_array(recording.applied))
+    assert type(plain.applied) is np.ndarray
+    same(analyse(plain), analyse(recording))
+
+
+def test_the_advice_for_a_missing_orientation_is_about_frames(tmp_path):
+    columns = {k: v for k, v in cases.planar().items() if k != "theta" and not k.endswith("z")}
+    with pytest.raises(
+        InvalidInput, match=r"column theta must be there.*say --frame object"
+    ) as told:
+        analysed(columns, tmp_path / "a.csv", grips=GRIPS, forces_only=True, frame="world")
+    assert "forces-only" not in str(told.value)
