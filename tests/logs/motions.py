@@ -92,11 +92,12 @@ def carried(seed: int, steps: int = 200, **config: Any) -> tuple[dict, tuple]:
     rows = []
     obs, _ = core.reset(seed=seed)
     step = core.transition
+    assert step is not None
     for _ in range(steps):
         action = leader(obs, step)
         action[:, 1] += 0.8 * partner(obs, step)[:, 1]
         obs, _, terminated, truncated, _ = core.step(action)
-        step = core.transition
+        step = core.transition or step
         state = step.state
         rows.append([state.time[0], *step.applied[0].ravel(), *state.pose[0], *state.twist[0]])
         if terminated.any() or truncated.any():

@@ -279,7 +279,7 @@ def test_masked_arrays_are_refused_where_something_is_masked(tmp_path):
     with pytest.raises(InvalidInput, match="'note' must have no masked values"):
         replace(recording, carried={"note": np.ma.masked_less(np.arange(40), 3)})
     with pytest.raises(InvalidInput, match="grips must have no masked values"):
-        Layout(grips=np.ma.masked_equal(GRIPS, 0.9))
+        Layout.load(grips=np.ma.masked_equal(GRIPS, 0.9))
     plain = replace(recording, applied=np.ma.masked_array(recording.applied))
     assert type(plain.applied) is np.ndarray
     same(analyse(plain), analyse(recording))

@@ -158,6 +158,9 @@ def test_degrees_as_radians_are_named(seed, wrapped, tmp_path):
     assert "say --angle rad" in only_warning(columns, tmp_path, **RIGHT, angle="deg")
     faster = scaled(columns, 180 / np.pi, "omega")
     assert "say --angular-velocity deg/s" in only_warning(faster, tmp_path, **RIGHT)
+    faster["theta"] = degrees["theta"]  # as it is declared, so that either may be the wrong one
+    said = only_warning(faster, tmp_path, **RIGHT, angle="deg")
+    assert "say --angle rad or --angular-velocity deg/s" in said
 
 
 @pytest.mark.parametrize("seed", range(3))

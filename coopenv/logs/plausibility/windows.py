@@ -34,11 +34,11 @@ class Segments:
 
     def of(self, recording: Recording) -> list[tuple[Recording, int]]:
         """Segments that have at least two windows, and how many rows make a window."""
-        if recording.time is None:
-            return []
         recording = replace(recording, carried={})
         if self._rest is not None:
             recording = Recording.joined([self._rest, recording])
+        if recording.time is None:
+            return []
         step = np.diff(recording.time)
         forward = step[step > 0]
         if not len(forward):
