@@ -9,11 +9,11 @@ from coopenv.errors import InvalidInput
 from coopenv.files import written
 from coopenv.logs.access import require_file, require_writable, writing
 from coopenv.logs.analysis import analyse
+from coopenv.logs.consistency import Check
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import find_format, open_sink
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
-from coopenv.logs.plausibility import Check
 from coopenv.logs.recording import Reader
 from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
@@ -90,7 +90,7 @@ def decompose_file(
             first_bad=reader.faults.first.partition(";")[0],
             left_out=tuple(reader.left_out),
             assumed=reader.assumed,
-            plausibility=check.result(),
+            consistency=check.result(),
             old_picture=beside if image is None and beside.is_file() else None,
         )
         summary.save(said_part)

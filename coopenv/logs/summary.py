@@ -10,7 +10,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.analysis import Analysis, Worst
-from coopenv.logs.plausibility import Plausibility
+from coopenv.logs.consistency import Consistency
 from coopenv.logs.recording import Recording
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Summary:
     measures: tuple[Measure, ...]
     left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used
     assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
-    plausibility: Plausibility  # whether that goes with how the object moved
+    consistency: Consistency  # whether that goes with how the object moved
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
@@ -102,7 +102,7 @@ class Summary:
         if self.old_picture is not None:
             lines.append(f"{self.old_picture} was there before and shows another table")
         lines += [f"assumed {line}" for line in self.assumed]
-        lines += [self._motion(), *(f"warning: {each}" for each in self.plausibility.warnings)]
+        lines += [self._motion(), *(f"warning: {each}" for each in self.consistency.warnings)]
         worst = self.worst
         lines.append(
             f"worst residuals: balance {worst.balance:.1e} N or N·m, force {worst.force:.1e} N, "
@@ -113,11 +113,11 @@ class Summary:
 
     def _motion(self) -> str:
         """How well what was assumed explains the motion."""
-        if self.plausibility.unchecked:
-            return f"not compared with the motion: {self.plausibility.unchecked}"
+        if self.consistency.unchecked:
+            return f"not compared with the motion: {self.consistency.unchecked}"
         parts = [
             f"{100 * share:.0f} % of {name}"
-            for name, share in self.plausibility.fit._asdict().items()
+            for name, share in self.consistency.fit._asdict().items()
             if not np.isnan(share)
         ]
         return f"motion explains, as assumed, {', '.join(parts)}"
@@ -125,7 +125,7 @@ class Summary:
     def save(self, path: Path) -> None:
         """Write it as JSON; what is undefined is null."""
         content = {**asdict(self), "worst": self.worst._asdict()}
-        content["plausibility"]["fit"] = self.plausibility.fit._asdict()
+        content["consistency"]["fit"] = self.consistency.fit._asdict()
         path.write_text(json.dumps(_plain(content), indent=2, ensure_ascii=False), "utf-8")
 
 
@@ -177,7 +177,7 @@ class Collector:
         first_bad: str,
         left_out: tuple[str, ...],
         assumed: tuple[str, ...],
-        plausibility: Plausibility,
+        consistency: Consistency,
         old_picture: Path | None = None,
     ) -> Summary:
         """Summary of all rows so far, with what only the caller knows."""
@@ -198,7 +198,7 @@ class Collector:
             measures=tuple(kept.measure(name) for name, kept in self._columns.items()),
             left_out=left_out,
             assumed=assumed,
-            plausibility=plausibility,
+            consistency=consistency,
             old_picture=old_picture,
         )
 

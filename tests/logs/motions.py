@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import coopenv
-from coopenv.agents.controllers.impedance import ImpedanceController, RandomPolicy
+from coopenv.agents.controllers import ImpedanceController, RandomPolicy
 from coopenv.arrays import FloatArray
 
 BEAM = ((-0.9, 0.1), (0.9, -0.2))

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import FloatArray
+from coopenv.logs.consistency.windows import integral, mean_of_neighbours, window_means
 from coopenv.logs.convert import rotations, to_object
-from coopenv.logs.plausibility.windows import integral, mean_of_neighbours, window_means
 from coopenv.logs.recording import Recording
 
 FRAMES = ("object", "world")

@@ -1,4 +1,4 @@
-"""Plausibility of a recording: whether its wrenches explain the motion, or would if declared anew.
+"""Consistency of a recording: whether its wrenches explain the motion, or would if declared anew.
 
 Newton's and Euler's laws hold whatever the mass: the resultant force goes with acceleration (and
 with velocity, where there is friction), the resultant torque with angular acceleration, the power
@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
+from coopenv.logs.consistency.windows import Segments
 from coopenv.logs.layout import UNITS, Layout
-from coopenv.logs.plausibility.laws import LEAST_WINDOWS, Laws
-from coopenv.logs.plausibility.windows import Segments
 from coopenv.logs.recording import Recording
 
 BAD = 0.3  # unexplained share from which a declaration is doubted
@@ -36,7 +36,7 @@ class Fit(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Plausibility:
+class Consistency:
     """Result of the comparison of wrenches with motion."""
 
     fit: Fit = field(default_factory=Fit)
@@ -73,13 +73,13 @@ class Check:
             for laws in filter(None, (self._laws, self._other_angle)):
                 laws.add(segment, rows)
 
-    def result(self) -> Plausibility:
+    def result(self) -> Consistency:
         """Of all rows so far."""
         if self._missing:
-            return Plausibility(unchecked=self._missing)
+            return Consistency(unchecked=self._missing)
         if not self._laws.enough("power"):
-            return Plausibility(unchecked=f"fewer than {LEAST_WINDOWS} windows of rows in sequence")
-        return Plausibility(_fit(self._laws, self._layout), tuple(self._warnings()))
+            return Consistency(unchecked=f"fewer than {LEAST_WINDOWS} windows of rows in sequence")
+        return Consistency(_fit(self._laws, self._layout), tuple(self._warnings()))
 
     def _warnings(self) -> Iterator[str]:
         """The likeliest mistakes; kinematics first, as it tells what else to believe."""

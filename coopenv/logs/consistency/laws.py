@@ -1,8 +1,8 @@
 """Newton's and Euler's laws for recorded rows, under every declaration that is compared."""
 
+from coopenv.logs.consistency.moments import Moments
+from coopenv.logs.consistency.signals import FRAMES, Signals
 from coopenv.logs.layout import Layout
-from coopenv.logs.plausibility.moments import Moments
-from coopenv.logs.plausibility.signals import FRAMES, Signals
 from coopenv.logs.recording import Recording
 
 LEAST_WINDOWS = 12  # fewer are no evidence

@@ -7,7 +7,7 @@ import pytest
 
 from coopenv import logs
 from coopenv.logs import Layout
-from coopenv.logs.plausibility import Check, Plausibility
+from coopenv.logs.consistency import Check, Consistency
 from coopenv.logs.recording import Reader
 from tests.logs import cases, motions
 
@@ -15,7 +15,7 @@ RIGHT = {"grips": motions.BEAM, "twist_frame": "world"}
 TWIST = ("vx", "vy", "omega")
 
 
-def seen(columns, tmp_path, **layout) -> Plausibility:
+def seen(columns, tmp_path, **layout) -> Consistency:
     path = cases.save(columns, tmp_path / "a.npz")
     check = Check(Layout(**layout))
     for recording in Reader(path, Layout(**layout), bad_rows="skip"):
@@ -257,8 +257,8 @@ def test_the_summary_says_what_was_assumed_and_warns(tmp_path, capsys, monkeypat
         assert line in printed
     written = json.loads((tmp_path / "a.decomposed.summary.json").read_text())
     assert written["assumed"][0].startswith("frames: forces and torques in the object frame")
-    assert written["plausibility"]["fit"]["force"] > 0.99
-    assert "--twist-frame world" in written["plausibility"]["warnings"][0]
+    assert written["consistency"]["fit"]["force"] > 0.99
+    assert "--twist-frame world" in written["consistency"]["warnings"][0]
     assert written["measures"][0]["name"] == "relative_cost"
 
 
