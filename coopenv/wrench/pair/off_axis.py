@@ -36,6 +36,7 @@ from coopenv.wrench.pair.lens import (
 )
 from coopenv.wrench.settings import Settings
 
+CLOSE = 1e-2  # of the longest lever: grips so near that the difference of levers loses digits
 WORTH_A_THREAD = 1000  # samples that occupy a core long enough for one to be started
 MAX_HALVINGS = 200  # 60 find a number of ordinary size, the others one of 1e-40
 
@@ -53,7 +54,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     axis = frame(grips)
     weights = np.array([settings.torque_weight, float(settings.include_induced)])
     parameters = level_parameters(*weights, plausible=True)
-    worth = ROUNDING * np.abs(axis[..., 2:]).max(axis=-1) / np.abs(axis[..., 4])
+    worth = ROUNDING * np.abs(axis[..., 2:5]).max(axis=-1) / np.abs(axis[..., 4])
 
     def solve(applied: FloatArray) -> Answer:
         """Manipulation wrenches and gaps.
@@ -78,16 +79,21 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
 
 
 def frame(grips: FloatArray) -> FloatArray:
-    """Direction of r_1 − r_2, both grips along it, and their distance from the centre of mass.
+    """Direction of r_1 − r_2, both grips along it, the line's height, and the grips' distance.
 
-    ``(..., 5)`` [1, 1, m, m, m], of grips ``(..., 2, 2)`` not on a line through the centre of mass.
+    ``(..., 6)`` [1, 1, m, m, m, m], of grips ``(..., 2, 2)`` not on a line through the centre of
+    mass. The height is that of the centre of mass from the line, the distance from grip to grip.
     """
     along = grips[..., 0, :] - grips[..., 1, :]
-    c, s = np.moveaxis(along / np.hypot(along[..., 0], along[..., 1])[..., None], -1, 0)
+    apart = np.hypot(along[..., 0], along[..., 1])
+    c, s = np.moveaxis(along / apart[..., None], -1, 0)
     x, y = grips[..., 0], grips[..., 1]
     levers = c[..., None] * x + s[..., None] * y
     height = c * y[..., 0] - s * x[..., 0]
-    return np.stack([c, s, levers[..., 0], levers[..., 1], height], axis=-1)
+    a1, a2 = levers[..., 0], levers[..., 1]
+    longest = np.hypot(x, y).max(axis=-1)
+    distance = np.where(apart < CLOSE * longest, apart, a1 - a2)
+    return np.stack([c, s, a1, a2, height, distance], axis=-1)
 
 
 class Prices(NamedTuple):
@@ -104,6 +110,7 @@ class Case(NamedTuple):
 
     forces: tuple[float, float, float, float]  # f_1 and f_2
     grips: tuple[float, float, float]  # both along the line, and the line's height
+    distance: float  # from grip to grip
     induced: tuple[float, float]  # torques of f_1 and f_2
     torque: float  # the pure torques' sum
     prices: Prices
@@ -197,7 +204,7 @@ def _slope(v, case):
         return 1.0 if v > 0.0 else -1.0
     u, side = _best(v, low, high, case)
     by_u, by_v = _pull(u, v, case)
-    left = case.torque + (case.grips[0] - case.grips[1]) * v
+    left = case.torque + case.distance * v
     by_v += case.prices.torque if left > 0.0 else -case.prices.torque
     if side == 0:
         return by_v
@@ -245,7 +252,7 @@ def _induced(fx, fy, lever, height):
 def _case(forces, torques, axis, weights):
     """Forces, grips, torques and prices that the search needs."""
     f1x, f1y, f2x, f2y = forces
-    a1, a2, height = axis[2], axis[3], axis[4]
+    a1, a2, height, distance = axis[2], axis[3], axis[4], axis[5]
     torque1, torque2 = _induced(f1x, f1y, a1, height), _induced(f2x, f2y, a2, height)
     w, induced = weights[0], weights[0] * weights[1]
     sign1, sign2 = np.sign(torque1), np.sign(torque2)
@@ -253,20 +260,21 @@ def _case(forces, torques, axis, weights):
         1.0 - w,
         induced * height * (sign1 - sign2),
         induced * (sign2 * a2 - sign1 * a1),
-        w * (1.0 + TIE) * (a1 - a2),
+        w * (1.0 + TIE) * distance,
     )
-    return Case(forces, (a1, a2, height), (torque1, torque2), torques[0] + torques[1], prices)
+    torque, induced_torques = torques[0] + torques[1], (torque1, torque2)
+    return Case(forces, (a1, a2, height), distance, induced_torques, torque, prices)
 
 
 @compiled
 def _best_v(case, torques):
     """Height v of least cost."""
     a1, a2, height = case.grips
-    low, high = _heights(case.forces, torques, a1 - a2)
+    low, high = _heights(case.forces, torques, case.distance)
     if high <= low:
         return low
     lever = max(abs(a1), abs(a2)) + abs(height)
-    fine = resolution(case.forces, a1 - a2) * abs(height) / lever
+    fine = resolution(case.forces, case.distance) * abs(height) / lever
     # the signs at the ends are not asked for: at v = 0, where one may be, all constraints meet
     v = _root(low, -1.0, high, 1.0, case, fine)
     return v if abs(v) > 2.0 * fine else 0.0
@@ -282,5 +290,5 @@ def decompose_off_axis(applied, axis, weights, manipulation):
     case = _case(forces, torques, axis, weights)
     v = _best_v(case, torques)
     u = _best_u(v, case)
-    torque = remainder(case.torque, (axis[2] - axis[3]) * v)
+    torque = remainder(case.torque, case.distance * v)
     write(applied, axis, u, v, torques, torque, scale, manipulation)

@@ -40,6 +40,7 @@ from coopenv.wrench.pair.lens import (
 from coopenv.wrench.settings import Settings
 
 ON_AXIS = 1e-12  # distance from the line that counts as rounding, relative to the longest lever
+COINCIDENT = 1e-15  # distance from grip to grip that does: grips are known to some 4e-16
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
 
 
@@ -66,14 +67,20 @@ def applies(grips: FloatArray) -> BoolArray:
     """Whether each set of grips is two planar positions on a line through the centre of mass."""
     if grips.shape[-2:] != (2, 2):
         return np.zeros(grips.shape[:-2], dtype=np.bool_)
-    length = np.hypot(grips[..., 0], grips[..., 1])
-    first, second = grips[..., 0, :], grips[..., 1, :]
-    area = np.abs(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
-    return np.asarray(area <= ON_AXIS * length.max(axis=-1) ** 2)
+    longest = np.hypot(grips[..., 0], grips[..., 1]).max(axis=-1)
+    first, apart = grips[..., 0, :], grips[..., 1, :] - grips[..., 0, :]
+    area = np.abs(first[..., 0] * apart[..., 1] - first[..., 1] * apart[..., 0])
+    distance = np.hypot(apart[..., 0], apart[..., 1])
+    # the line's distance from the centre of mass is area / distance
+    on_line = area <= ON_AXIS * longest * np.minimum(distance, longest)
+    return np.asarray(on_line | (distance <= COINCIDENT * longest))
 
 
 def frame(grips: FloatArray) -> FloatArray:
-    """Direction of the line (towards the farther grip) and both signed levers ``(..., 4)`` [m]."""
+    """Direction of the line (towards the farther grip) and both signed levers ``(..., 4)`` [m].
+
+    Grips that coincide but for rounding count as one place: their levers are the same.
+    """
     length = np.hypot(grips[..., 0], grips[..., 1])
     longest = length.max(axis=-1, keepdims=True)
     farther = np.take_along_axis(grips, length.argmax(axis=-1)[..., None, None], axis=-2)
@@ -81,6 +88,9 @@ def frame(grips: FloatArray) -> FloatArray:
     direction = np.where(longest > 0, direction, [1.0, 0.0])
     lever = (grips * direction[..., None, :]).sum(axis=-1)
     lever = np.where(length <= ON_AXIS * longest, 0.0, lever)
+    apart = grips[..., :1, :] - grips[..., 1:, :]
+    one_place = np.hypot(apart[..., 0], apart[..., 1]) <= COINCIDENT * longest
+    lever = np.where(one_place, longest, lever)
     return np.concatenate([direction, lever], axis=-1)
 
 
