@@ -159,6 +159,37 @@ def test_a_decomposer_checks_shapes_too():
         wrench.Decomposer(np.tile(BEAM, (4, 1, 1)))(np.zeros((3, 2, 3)))
 
 
+def test_no_bound_is_more_than_the_cost():
+    decomposer = wrench.Decomposer(TRIANGLE)
+    applied = wrenches(2, n=3)
+    doubtful = wrench.Decomposition(
+        applied, Answer(0.5 * applied, np.array([1e6, 0.1])), decomposer
+    )
+    np.testing.assert_array_equal(doubtful.gap, [doubtful.cost[0], 0.1])
+    cancelled = wrench.Decomposition(applied, Answer(0.0 * applied, np.full(2, 1e-9)), decomposer)
+    np.testing.assert_array_equal(cancelled.gap, 0.0)
+
+
+def test_no_bound_is_more_than_the_cost_however_ill_the_grips():
+    far = [[-146809882827.45844, 403269782913.12317], [-42920414863.611755, -2810095958621.9087]]
+    d = wrench.decompose(
+        [
+            [0.6703014093003303, -2.101895560059498, -378430.8659673586],
+            [0.4658144484617441, -1.4606762066438992, -262984.02833023213],
+        ],
+        far,
+        solver="structured",
+    )
+    assert 0.0 < d.gap <= d.cost
+
+
+def test_the_bound_of_the_largest_internal_force_is_none_of_the_cost():
+    forces = wrenches(20, n=3) * [1.0, 1.0, 0.0]
+    d = wrench.decompose(forces, np.zeros((3, 2)), method="max_internal")
+    assert d._answer.gap is not None
+    np.testing.assert_array_equal(d.gap, d._answer.gap)
+
+
 def test_bad_names_and_grips_are_refused():
     with pytest.raises(UnknownName, match="did you mean 'virtual_linkage'"):
         wrench.decompose(wrenches(), BEAM, method="virtual_linkages")
