@@ -217,7 +217,7 @@ class Decomposition:
 
     @cached_property
     def _levels(self) -> FloatArray:
-        """All that `level_kernel` writes, ``(5, ...)`` with the batch axes reversed."""
+        """All that `level_kernel` writes, ``(6, ...)`` with the batch axes reversed."""
         decomposer = self._decomposer
         parameters = decomposer._level_parameters
         return level_kernel(self.applied, self.manipulation, decomposer.grips, parameters).T
@@ -231,6 +231,16 @@ class Decomposition:
     def applied_cost(self) -> FloatArray:
         """J(h), ``(...)`` [N, torques per metre] (eq. 17)."""
         return self._levels[1].T
+
+    @property
+    def wasted_cost(self) -> FloatArray:
+        """Part of the applied wrench's cost that was compensated, J(h) − J(h_M) (eqs. 17, 29).
+
+        ``(...)`` [N, torques per metre]. Unique and continuous in the wrench, as the relative cost
+        is, but with a scale: next to nothing for idle hands, whose noise cancels as any fight does.
+        Never negative for plausible methods.
+        """
+        return self._levels[5].T
 
     @property
     def relative_cost(self) -> FloatArray:

@@ -122,7 +122,7 @@ def checked_twist(twist: npt.ArrayLike, applied: FloatArray, grips: FloatArray) 
 
 def level_parameters(torque_weight: float, include_induced: bool, plausible: bool) -> FloatArray:
     """Return the weights as `level_kernel` takes them, padded to the length of its output."""
-    return np.array([torque_weight, float(include_induced), float(plausible), 0.0, 0.0])
+    return np.array([torque_weight, float(include_induced), float(plausible), 0.0, 0.0, 0.0])
 
 
 @compiled
@@ -162,10 +162,10 @@ def _cost(wrench, i, grips, w, induced):
     "void(float64[:,:], float64[:,:], float64[:,:], float64[:], float64[:])",
 )
 def level_kernel(applied, manipulation, grips, parameters, result):
-    """Write cost, applied cost, relative cost, internal force level and internal torque level.
+    """Write cost, applied, relative and wasted cost, internal force level, internal torque level.
 
-    ``parameters`` starts with the torque weight, 1 if induced torque has a cost, and 1 if the
-    relative cost is known not to be negative.
+    The wasted cost comes last. ``parameters`` starts with the torque weight, 1 if induced torque
+    has a cost, and 1 if relative and wasted cost are known not to be negative.
     """
     w, induced = parameters[0], parameters[1]
     cost, applied_cost, force_level, torque_level = 0.0, 0.0, 0.0, 0.0
@@ -178,10 +178,13 @@ def level_kernel(applied, manipulation, grips, parameters, result):
         tx, ty, tz = _moment(grips, i, fx, fy, fz)
         force_level += 0.5 * _norm(fx, fy, fz)
         torque_level += 0.5 * _norm(tx + aa - ma, ty + ab - mb, tz + ac - mc)
-    relative = (applied_cost - cost) / max(applied_cost, TINY)
+    wasted = applied_cost - cost
+    relative = wasted / max(applied_cost, TINY)
+    plausible = parameters[2] > 0.0
     result[0], result[1] = cost, applied_cost
-    result[2] = max(relative, 0.0) if parameters[2] > 0.0 else relative
+    result[2] = max(relative, 0.0) if plausible else relative
     result[3], result[4] = force_level, torque_level
+    result[5] = max(wasted, 0.0) if plausible else wasted
 
 
 @compiled

@@ -28,6 +28,7 @@ def test_every_method_keeps_any_batch_shape(method, batch):
         "cost",
         "applied_cost",
         "relative_cost",
+        "wasted_cost",
         "internal_force_level",
         "internal_torque_level",
         "gap",

@@ -123,9 +123,46 @@ def test_costs_and_levels_follow_their_equations(dimension, include_induced):
     np.testing.assert_allclose(d.internal_torque_level, 0.5 * norm(at_centre))
 
 
+def test_wasted_cost_is_what_of_the_applied_cost_was_not_needed():
+    d = wrench.decompose([[3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]], BEAM)
+    assert d.wasted_cost == pytest.approx(0.5 * (4.0 - 2.0))  # w = 0.5: half a newton for each of F
+    torques = wrench.decompose([[0.0, 0.0, 3.0], [0.0, 0.0, -1.0]], BEAM, torque_weight=0.25)
+    assert torques.wasted_cost == pytest.approx(0.25 * (4.0 - 2.0))
+    assert wrench.decompose(np.zeros((2, 3)), BEAM).wasted_cost == 0.0
+
+
+@pytest.mark.parametrize(("num_effectors", "dimension"), [(2, 2), (3, 2), (4, 3)])
+def test_wasted_cost_scales_with_the_wrench_and_is_never_negative(num_effectors, dimension):
+    applied, grips = random_case(dimension, seed=7, num_effectors=num_effectors)
+    d, faint = wrench.decompose(applied, grips), wrench.decompose(1e-3 * applied, grips)
+    np.testing.assert_allclose(d.wasted_cost, d.applied_cost - d.cost, atol=1e-14)
+    np.testing.assert_allclose(d.wasted_cost, d.relative_cost * d.applied_cost, atol=1e-14)
+    np.testing.assert_allclose(faint.wasted_cost, 1e-3 * d.wasted_cost, atol=1e-9)
+    assert (d.wasted_cost >= 0.0).all()
+
+
+def test_wasted_cost_does_not_jump_where_levels_do():
+    # at ±1 m costs tie: pressing out the torque or leaving it to pure torques is the same
+    applied, nudge = np.array([[0.0, -1.0, -1.0], [0.0, 1.0, 0.5]]), 1e-6
+    near, beyond = (
+        wrench.decompose(applied, [[-1.0 + shift, 0.0], [1.0 - shift, 0.0]])
+        for shift in (nudge, -nudge)
+    )
+    assert np.abs(near.internal_force_level - beyond.internal_force_level) > 0.2
+    assert near.wasted_cost == pytest.approx(float(beyond.wasted_cost), abs=2e-6)
+
+
+def test_wasted_cost_of_idle_hands_is_small_where_the_relative_cost_is_not():
+    noise = 0.05 * np.random.default_rng(8).normal(size=(1000, 2, 3))
+    d = wrench.decompose(noise, BEAM)
+    assert d.relative_cost.mean() > 0.1
+    assert d.wasted_cost.mean() < 0.05
+
+
 def test_implausible_methods_may_have_a_negative_relative_cost():
     d = wrench.decompose([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0]], BEAM, method="nonsqueezing")
     assert d.relative_cost < 0
+    assert d.wasted_cost < 0
 
 
 def test_internal_torque_level_is_half_of_what_cancels():
