@@ -18,6 +18,7 @@ from .terms import (
     Success,
     TimeCost,
     TrackingError,
+    WastedCost,
 )
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "Term",
     "TimeCost",
     "TrackingError",
+    "WastedCost",
     "find_reward",
     "recompute",
 ]

@@ -1,6 +1,7 @@
-"""Reward terms: success, time, effort, internal force and torque, load share and others.
+"""Reward terms: success, time, effort, internal force, wasted cost, load share and others.
 
-Each is a class that returns ``(world, agent)``; penalties are negative.
+Each is a class that returns ``(world, agent)``; penalties are negative. Terms that price a
+decomposition say what they can tell and what not; `docs/decomposition.md` compares them.
 """
 
 from collections.abc import Sequence
@@ -9,10 +10,11 @@ from typing import Literal
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array
+from coopenv.arrays import FloatArray, finite_array, positive
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.wrench import Decomposition, Settings
+from coopenv.wrench.grasp import moment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +58,9 @@ class Effort:
 class InternalForce:
     """Penalise squeezing: r_i = −weight · ‖f_I,i‖  (eq. 5).
 
-    Near ties between splits of equal cost ‖f_I,i‖ can jump; `RelativeCost` is continuous.
+    Tells each of two agents its part of the fight in newtons. Where splits of equal cost exist
+    ‖f_I,i‖ is the solver's choice: it jumps near ties, and of four agents and more who is blamed
+    can be arbitrary. `WastedCost` is neither.
     """
 
     weight: float = 0.01  # [reward / N]
@@ -72,7 +76,8 @@ class InternalForce:
 class InternalTorque:
     """Penalise twisting against each other: r_i = −weight · |t_o,I,i|, at the centre of mass.
 
-    t_o,I,i = r_i × f_I,i + t_I,i  (eq. 4); like `InternalForce` it can jump near ties.
+    t_o,I,i = r_i × f_I,i + t_I,i  (eq. 4). As with `InternalForce`, it jumps near ties and who is
+    blamed can be the solver's choice.
     """
 
     weight: float = 0.01  # [reward / (N·m)]
@@ -88,7 +93,12 @@ class InternalTorque:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RelativeCost:
-    """Penalise the fraction of the applied wrench that fights itself: r = −weight · γ  (eq. 29)."""
+    """Penalise the fraction of the applied wrench that fights itself: r = −weight · γ  (eq. 29).
+
+    Unique and continuous but for no wrench at all, and the same for everyone: it does not tell who
+    fights. Nor how hard: the noise of idle hands, of any size, reads 0.15 to 0.25, and pushing
+    harder together lowers it. `WastedCost` is in newtons.
+    """
 
     weight: float = 0.1  # [reward / step]
     settings: Settings | None = None  # another decomposition than the environment's
@@ -100,16 +110,55 @@ class RelativeCost:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LoadShare:
-    """Keep a wanted load share: r_i = −weight · |α_i − wanted_i|  (eq. 25); 0 where undefined."""
+class WastedCost:
+    """Penalise what the team spends against itself: r = −weight · (J(h) − J(h_M)) / scale.
 
-    weight: float = 0.1  # [reward / step]
+    Unique, continuous and in newtons, torques counting per metre (J is eq. 17): next to nothing for
+    idle hands. At w = 0.5, two agents who press against each other with 10 N waste 10 N. It does
+    not tell who fights, and little of squeezing across a common effort, which costs few newtons
+    more: of 4 N across 10 N each, 0.8 N is waste and `InternalForce` finds all 4 N.
+    """
+
+    weight: float = 0.1  # [reward / step] at a waste of ``scale``
+    scale: float = 10.0  # [N] what counts as 1
+    settings: Settings | None = None  # another decomposition than the environment's
+
+    def __post_init__(self) -> None:
+        positive(self.scale, "scale", unit="N")
+
+    def __call__(self, transition: Transition) -> FloatArray:
+        """Reward ``(world, agent)``."""
+        decomposition = _decomposition(transition, self.settings)
+        return transition.per_agent(decomposition.wasted_cost, -self.weight / self.scale)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadShare:
+    """Keep a wanted load share: r_i = −weight · |f_iᵀf̂_o − wanted_i ‖f_o‖| / scale  (eq. 25).
+
+    What agent i bears along the resultant, f̂_o its direction, is compared with its wanted part of
+    the resultant; for ``of="torque"`` likewise with t_o,i and t_o (eq. 4). Where nobody pulls
+    against the resultant that is ‖f_o‖ · |α_i − wanted_i|; pulling against it is charged in full.
+    Where the resultant vanishes α_i is undefined, and all that an agent applies is charged, as in
+    the limit of a resultant along its own force. Idle hands cost nothing.
+
+    It tells how the load is shared, not whether forces across the resultant fight. Near a vanishing
+    resultant its direction, and with it the price, can jump; never by more than what is applied.
+
+    With ``scale=None`` the price is r_i = −weight · |α_i − wanted_i|, in parts of whatever the
+    resultant is, and 0 where that vanishes: agents who cancel each other exactly then pay nothing.
+    """
+
+    weight: float = 0.1  # [reward / step] at a deviation of ``scale``
     wanted: float | Sequence[float] | None = None  # one for all, or one an agent; None: 1/n
     of: Literal["force", "torque"] = "force"
+    scale: float | None = 10.0  # [N], of torque [N·m]: what counts as 1; None: the resultant
 
     def __post_init__(self) -> None:
         if self.of not in ("force", "torque"):
             raise InvalidInput(f"of must be 'force' or 'torque', got {self.of!r}; choose one")
+        if self.scale is not None:
+            positive(self.scale, "scale", unit="N" if self.of == "force" else "N·m")
         if self.wanted is not None:
             wanted = finite_array(self.wanted, "wanted").tolist()
             object.__setattr__(self, "wanted", tuple(wanted) if np.ndim(wanted) else wanted)
@@ -127,7 +176,24 @@ class LoadShare:
         self.check(transition.team.num_agents)
         share = getattr(transition.decomposition.load_share, self.of)
         wanted = 1 / transition.team.num_agents if self.wanted is None else np.asarray(self.wanted)
-        return np.nan_to_num(-self.weight * np.abs(share - wanted), nan=0.0)
+        if self.scale is None:
+            return np.nan_to_num(-self.weight * np.abs(share - wanted), nan=0.0)
+        parts = self._parts(transition)  # (world, agent, 2) [N] or (world, agent, 1) [N·m]
+        total = parts.sum(axis=1, keepdims=True)
+        size = np.linalg.norm(total, axis=-1)  # (world, 1)
+        along = (parts * total).sum(axis=-1) / np.where(size > 0.0, size, 1.0)
+        deviation = np.abs(along - wanted * size)
+        undefined = np.isnan(share)
+        if undefined.any():
+            deviation = np.where(undefined, np.linalg.norm(parts, axis=-1), deviation)
+        return -self.weight / self.scale * deviation
+
+    def _parts(self, transition: Transition) -> FloatArray:
+        """Of each agent, the force or the torque at the centre of mass."""
+        applied = transition.applied
+        if self.of == "force":
+            return applied[..., :2]
+        return moment(transition.team.grips, applied) + applied[..., 2:]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -67,15 +67,74 @@ def test_a_term_may_ask_for_another_decomposition_than_the_environments():
     assert wasteful == pytest.approx(-1.0)  # the paper's figure 2: pseudoinverses say ±1
 
 
-def test_load_share_measures_the_distance_to_what_is_wanted():
-    assert rewards.LoadShare(weight=1.0)(step(LIFT)) == pytest.approx(-0.25)
+def test_wasted_cost_is_priced_in_units_of_its_scale_and_alike_for_all():
+    squeeze = rewards.WastedCost(weight=0.3, scale=2.0)(step(SQUEEZE))  # wastes 4 N at w = 0.5
+    assert squeeze == pytest.approx(np.full((1, 2), -0.6))
+    ahead = [[[3.0, 0.0, 0.0], [1.0, 0.0, 0.0]]]
+    assert rewards.WastedCost()(step(ahead)) == pytest.approx(0.0, abs=1e-12)
+    heavy = wrench.Settings(torque_weight=0.75)
+    assert rewards.WastedCost(weight=1.0, scale=1.0, settings=heavy)(step(TWIST)) == pytest.approx(
+        -4.5
+    )
+
+
+def test_wasted_cost_leaves_idle_hands_alone_where_the_relative_cost_does_not():
+    core = Transport(num_worlds=500)
+    core.reset(seed=0)
+    core.step(np.random.default_rng(0).normal(scale=0.005, size=(500, 2, 3)))
+    assert core.transition is not None
+    waste = rewards.WastedCost(weight=1.0)(core.transition)
+    relative = rewards.RelativeCost(weight=1.0)(core.transition)
+    assert relative.mean() < -0.1
+    assert -0.005 < waste.mean() < 0.0
+
+
+def test_wasted_cost_sees_little_of_squeezing_across_a_common_effort():
+    across = [[[4.0, 10.0, 0.0], [-4.0, 10.0, 0.0]]]
+    assert rewards.WastedCost(weight=1.0, scale=1.0)(step(across)) == pytest.approx(-0.77, abs=0.01)
+    assert rewards.InternalForce(weight=1.0)(step(across)) == pytest.approx(-4.0)
+
+
+@pytest.mark.parametrize("term", [rewards.WastedCost, rewards.LoadShare])
+@pytest.mark.parametrize("scale", [0.0, -1.0, float("nan"), "ten"])
+def test_a_scale_that_is_no_positive_number_is_refused(term, scale):
+    with pytest.raises(InvalidInput, match="scale must be"):
+        term(scale=scale)
+
+
+def test_load_share_charges_the_newtons_by_which_it_is_missed():
+    shared = rewards.LoadShare(weight=1.0, scale=1.0)(step(LIFT))
+    assert shared == pytest.approx(np.full((1, 2), -1.0))  # 3 N and 1 N of 4 N
     kept = rewards.LoadShare(weight=1.0, wanted=(0.75, 0.25))(step(LIFT))
     assert kept == pytest.approx(0.0, abs=1e-12)
+    against = rewards.LoadShare(weight=1.0, scale=1.0, wanted=(1.0, 0.0))(
+        step([[[0.0, 3.0, 0.0], [0.0, -1.0, 0.0]]])
+    )
+    assert against == pytest.approx(np.full((1, 2), -1.0))
+    turning = rewards.LoadShare(weight=1.0, scale=1.0, of="torque")
+    grip = Transport(num_worlds=1).team.grips[0, 0, 0]  # m along the beam
+    pressed = step([[[0.0, 2.0 / grip, 0.0], [0.0, 0.0, 4.0]]])  # 2 and 4 N·m
+    assert turning(pressed) == pytest.approx(np.full((1, 2), -1.0))
 
 
-def test_load_share_is_silent_where_it_is_undefined():
-    assert rewards.LoadShare()(step(SQUEEZE)).tolist() == [[0.0, 0.0]]
-    assert rewards.LoadShare(of="torque")(step()).tolist() == [[0.0, 0.0]]
+def test_load_share_pays_nobody_for_an_undefined_share():
+    assert rewards.LoadShare(weight=1.0, scale=1.0)(step(SQUEEZE)) == pytest.approx(-4.0)
+    assert rewards.LoadShare(weight=1.0, scale=1.0, of="torque")(step(TWIST)) == pytest.approx(-3.0)
+    assert rewards.LoadShare()(step()).tolist() == [[0.0, 0.0]]  # nothing applied, nothing to share
+
+
+def test_load_share_costs_as_much_just_before_it_is_undefined():
+    term = rewards.LoadShare(weight=1.0, scale=1.0)
+    nearly = [[[4.0, 0.0, 0.0], [-4.0 + 1e-6, 0.0, 0.0]]]
+    assert term(step(nearly)) == pytest.approx(term(step(SQUEEZE)), abs=1e-5)
+
+
+def test_load_share_without_scale_is_a_part_of_the_resultant_and_free_where_undefined():
+    term = rewards.LoadShare(weight=1.0, scale=None)
+    assert term(step(LIFT)) == pytest.approx(-0.25)
+    assert term(step(SQUEEZE)).tolist() == [[0.0, 0.0]]
+    torque = rewards.LoadShare(of="torque", scale=None)
+    assert torque(step()).tolist() == [[0.0, 0.0]]
 
 
 def test_load_share_rejects_wishes_for_another_number_of_agents():
