@@ -1,4 +1,4 @@
-"""Solver against solver, and against the numbers of the paper (PAPER.md section 8)."""
+"""Solver against solver, and against the numbers of the paper's examples."""
 
 import numpy as np
 import pytest
@@ -80,6 +80,7 @@ def test_a_pure_couple(method, force, torque):
     np.testing.assert_allclose(d.internal[:, 2], torque, atol=1e-12)
 
 
+# not printed in the paper: the only forces on half-integer grids to ±6 N that give its numbers
 FIGURE_5 = forces((3, 3), (4, -1), (-3, 0))
 
 

@@ -65,27 +65,72 @@ def test_equation_24_needs_symmetric_grips():
     assert np.abs(found[0] - found[1]).max() > 0.1
 
 
-def assert_monotone(applied, grips, tolerance, **settings):
-    found = [wrench.decompose(applied, grips, torque_weight=w, **settings) for w in WEIGHTS]
+def assert_monotone(applied, grips, tolerance, include_induced=False):
+    """Σ‖f_M‖ does not fall, nor the torque that is costed rise, as w grows (section III-D)."""
+    found = [
+        wrench.decompose(applied, grips, torque_weight=w, include_induced=include_induced)
+        for w in WEIGHTS
+    ]
     scale = np.abs(applied).max()
     force = np.array([total(d, slice(grips.shape[-1])) for d in found]) / scale
     torque = np.array([total(d, slice(grips.shape[-1], None)) for d in found]) / scale
+    if include_induced:
+        torque += np.array([induced_total(d) for d in found]) / scale
     assert (np.diff(force, axis=0) >= -tolerance).all()
     assert (np.diff(torque, axis=0) <= tolerance).all()
 
 
-def test_with_growing_torque_weight_force_does_not_fall_and_torque_does_not_rise():
+def induced_total(d):
+    """Σ‖t_fM‖."""
+    return np.linalg.norm(wrench.induced_torque(d.manipulation, d.grips), axis=-1).sum(axis=-1)
+
+
+@pytest.mark.parametrize("include_induced", [False, True])
+def test_with_growing_torque_weight_force_does_not_fall_and_torque_does_not_rise(include_induced):
     for case in pair_cases(np.random.default_rng(3), 40):
-        assert_monotone(case.applied, case.grips, 1e-9)
+        assert_monotone(case.applied, case.grips, 1e-9, include_induced)
 
 
+@pytest.mark.parametrize("include_induced", [False, True])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_monotonicity_holds_for_more_effectors(dimension):
+def test_monotonicity_holds_for_more_effectors(dimension, include_induced):
     rng = np.random.default_rng(4)
     for n in (3, 5):
         grips = rng.normal(size=(n, dimension))
         applied = rng.normal(size=(100, n, 3 * dimension - 3))
-        assert_monotone(applied, grips, 1e-6)
+        assert_monotone(applied, grips, 1e-6, include_induced)
+
+
+def test_with_induced_torque_counted_either_torque_alone_may_rise_with_its_weight():
+    # section III-D says of each torque sum by itself that it does not
+    rising = [
+        [-4.611, -4.489, 0.446],
+        [-2.913, -4.995, -2.615],
+        [3.015, -3.099, -0.546],
+        [2.366, 0.947, 0.953],
+    ]
+    grips = [[0.406, 0.841], [-0.564, 0.861], [0.860, 1.624], [0.413, 0.025]]
+    pure, induced = torques_over_weights(np.array(rising), np.array(grips))
+    # of this wrench before it was rounded to three decimals
+    np.testing.assert_allclose(pure, [0.050, 0.506, 0.764, 0.907, 0.992], atol=4e-3)
+    assert (np.diff(pure) > 0.05).all()
+    assert (np.diff(pure + induced) < 0.0).all()
+
+    rng = np.random.default_rng(0)
+    applied, grips = rng.normal(size=(300, 3, 3)), rng.normal(size=(300, 3, 2))
+    pure, induced = torques_over_weights(applied, grips)
+    assert (np.diff(pure, axis=0) > 1e-3).any(axis=0).mean() > 0.05
+    assert (np.diff(induced, axis=0) > 1e-3).any(axis=0).mean() > 0.1
+
+
+def torques_over_weights(applied, grips):
+    """Σ‖t_M‖ and Σ‖t_fM‖ at w = 0.1, 0.3, 0.5, 0.7 and 0.9 for s = 1."""
+    found = [
+        wrench.decompose(applied, grips, torque_weight=w, include_induced=True)
+        for w in (0.1, 0.3, 0.5, 0.7, 0.9)
+    ]
+    pure = np.array([total(d, slice(2, 3)) for d in found])
+    return pure, np.array([induced_total(d) for d in found])
 
 
 @pytest.mark.parametrize(("num_effectors", "dimension"), [(2, 2), (3, 2), (5, 2), (2, 3), (4, 3)])

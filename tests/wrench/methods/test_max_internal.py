@@ -5,6 +5,7 @@ from coopenv import wrench
 from coopenv.errors import InvalidInput
 from coopenv.wrench.methods.max_internal import CLOSED
 
+# reconstructed from the paper's numbers, which does not print these forces
 FIGURE_5 = np.array([[3.0, 3.0, 0.0], [4.0, -1.0, 0.0], [-3.0, 0.0, 0.0]])
 
 

@@ -168,7 +168,7 @@ def test_s_1_does_not_depend_on_the_weight_for_symmetric_grips():
 
 
 def test_s_0_depends_on_the_weight_exactly_where_the_paper_says():
-    # PAPER section 5.3: eq. 24 with its misprints corrected
+    # eq. 24 with its misprints corrected: t_fI,max is that of smaller magnitude, its sign kept
     rng = np.random.default_rng(6)
     applied = rng.normal(size=(8000, 2, 3))
     lever = np.array(BEAM)[:, 0]
@@ -189,7 +189,7 @@ def test_s_0_depends_on_the_weight_exactly_where_the_paper_says():
 
 @pytest.mark.parametrize("levers", LEVERS)
 def test_with_growing_weight_forces_do_not_fall_and_torques_do_not_rise(levers):
-    # section III-D of the paper
+    # section III-D of the paper, which is right for s = 0
     applied = np.random.default_rng(7).normal(size=(2000, 2, 3))
     grips = grips_on_line(levers, 0.0)
     force, torque = [], []
