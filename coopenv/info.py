@@ -17,9 +17,10 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     """Infos of all worlds after a step.
 
     Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]; shares ``(world, agent)`` are
-    NaN where undefined; the levels F_I [N] and T_I [N·m], γ, ``success`` and ``contact_impulse``
-    [N·s] are ``(world,)``; ``reward_terms`` maps each name to ``(world, agent)``. Where body and
-    team are drawn, ``body`` holds what was: `coopenv.conditions.Conditions.parameters`.
+    NaN where undefined; the levels F_I [N] and T_I [N·m], γ, the wasted cost [N], ``success`` and
+    ``contact_impulse`` [N·s] are ``(world,)``; ``reward_terms`` maps each name to
+    ``(world, agent)``. Where body and team are drawn, ``body`` holds what was:
+    `coopenv.conditions.Conditions.parameters`.
     """
     decomposition = transition.decomposition
     share = decomposition.load_share
@@ -31,6 +32,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         "force_load_share": share.force,
         "torque_load_share": share.torque,
         "relative_cost": decomposition.relative_cost,
+        "wasted_cost": decomposition.wasted_cost,
         "internal_force_level": decomposition.internal_force_level,
         "internal_torque_level": decomposition.internal_torque_level,
         "reward_terms": parts,

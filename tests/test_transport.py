@@ -80,6 +80,7 @@ def test_shapes_are_world_agent_feature():
         "force_load_share": (5, 3),
         "torque_load_share": (5, 3),
         "relative_cost": (5,),
+        "wasted_cost": (5,),
         "internal_force_level": (5,),
         "internal_torque_level": (5,),
         "success": (5,),

@@ -39,7 +39,7 @@ COMPARED = (
     "nonsqueezing",
     "virtual_linkage",
 )
-"""Of two effectors on a line through the centre of mass, forces and torques (PAPER.md 7).
+"""Of two effectors on a line through the centre of mass, forces and torques.
 
 Left out are what needs further inputs (constraint violation), what is defined for forces only, and
 ``parametrized``, which at unit virtual masses and grips at ±1 m is Moore-Penrose.
