@@ -5,13 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from inspect import get_annotations
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import UnknownName
-from coopenv.observation import Block
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 
@@ -53,6 +52,13 @@ class Task(ABC):
 
     __slots__ = ()
 
+    # Values, so that a class may override them by a value, a field or a property; hence Any.
+    max_obstacles: Any = 0
+    """int: the most obstacles that an `Episode` of it brings; none."""
+
+    blocks: Any = ()
+    """Sequence[Block]: what ``observe`` may name beside `coopenv.BLOCKS`; nothing."""
+
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
         inherited = {name for base in cls.__mro__[1:] for name in vars(base)}
@@ -77,16 +83,6 @@ class Task(ABC):
     @abstractmethod
     def success(self, pose: FloatArray, twist: FloatArray, goal: FloatArray) -> BoolArray:
         """Whether each world is done, ``(world,)``."""
-
-    @property
-    def max_obstacles(self) -> int:
-        """The most obstacles that an `Episode` of it brings; none."""
-        return 0
-
-    @property
-    def blocks(self) -> Sequence[Block]:
-        """Observation blocks that ``observe`` may name beside `coopenv.BLOCKS`; none."""
-        return ()
 
     @property
     def moves(self) -> bool:
@@ -140,5 +136,65 @@ def overrides(task: Task, hook: str) -> bool:
     return getattr(type(task), hook) is not getattr(Task, hook)
 
 
-# What optional abilities were called when each had a class of its own: all tasks have them.
-FurnishedTask = GuidedTask = JudgedTask = MarkedTask = MovingTask = SensedTask = WayTask = Task
+class _TaskWithHook(Task):
+    """What a task with a hook was called when only some had hooks; every task has all now."""
+
+    __slots__ = ()
+    _hook: ClassVar[str]
+
+    @classmethod
+    def __subclasshook__(cls, other: type) -> bool:
+        """Any task that overrides the hook counts, whether it inherits from this or not."""
+        if "_hook" not in vars(cls):
+            return NotImplemented
+        own = getattr(other, cls._hook, None)
+        return Task in other.__mro__ and own is not getattr(Task, cls._hook)
+
+
+class FurnishedTask(_TaskWithHook):
+    """A task whose episodes bring obstacles."""
+
+    __slots__ = ()
+    _hook = "max_obstacles"
+
+
+class GuidedTask(_TaskWithHook):
+    """A task that does not tell every agent all of the goal."""
+
+    __slots__ = ()
+    _hook = "told"
+
+
+class JudgedTask(_TaskWithHook):
+    """A task that is done only if the whole episode was good."""
+
+    __slots__ = ()
+    _hook = "accepts"
+
+
+class MarkedTask(_TaskWithHook):
+    """A task with lines on the floor of pictures."""
+
+    __slots__ = ()
+    _hook = "markings"
+
+
+class MovingTask(_TaskWithHook):
+    """A task whose goal moves."""
+
+    __slots__ = ()
+    _hook = "goal_at"
+
+
+class SensedTask(_TaskWithHook):
+    """A task with observation blocks of its own."""
+
+    __slots__ = ()
+    _hook = "blocks"
+
+
+class WayTask(_TaskWithHook):
+    """A task with a way to the goal that differs from the distance."""
+
+    __slots__ = ()
+    _hook = "way"

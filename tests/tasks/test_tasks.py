@@ -8,6 +8,7 @@ import pytest
 
 from coopenv import Body, Box, Scene, Task, Transport, TransportTask
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.tasks import DoorwayTask, FurnishedTask, MovingTask, TrackingTask
 from tests.helpers import CLUTTERED, corners
 
 
@@ -193,6 +194,37 @@ def test_a_task_that_says_no_more_than_it_must_is_neutral():
     np.testing.assert_array_equal(task.way(plan, pose, goal), task.distance(pose, goal))
     with pytest.raises(NotImplementedError, match="the goal of TransportTask does not move"):
         task.goal_at(plan, np.zeros(3))
+
+
+def test_what_a_task_says_of_itself_may_be_a_value_a_field_an_attribute_or_a_property():
+    @dataclass(frozen=True, kw_only=True)
+    class Field(TransportTask):
+        max_obstacles: int = 2
+
+    class Attribute(TransportTask):
+        def __init__(self):
+            super().__init__()
+            object.__setattr__(self, "max_obstacles", 2)
+
+    tasks = (
+        task_with(max_obstacles=2)(),
+        Field(),
+        Attribute(),
+        task_with(max_obstacles=property(lambda self: 2))(),
+    )
+    for task in tasks:
+        assert task.max_obstacles == 2
+
+
+def test_tasks_that_inherit_from_the_old_names_of_hooks_still_work():
+    class Both(FurnishedTask, MovingTask, TransportTask):
+        max_obstacles = 1
+
+    assert isinstance(Both(), FurnishedTask)
+    assert isinstance(DoorwayTask(), FurnishedTask)
+    assert isinstance(TrackingTask(), MovingTask)
+    assert not isinstance(TransportTask(), MovingTask)
+    assert not isinstance(object(), MovingTask)
 
 
 def test_a_task_without_one_of_the_four_methods_cannot_be_made():
