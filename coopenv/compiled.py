@@ -17,8 +17,8 @@
 Between kernels, numbers that belong together go as a named tuple, at no cost. What Python calls
 takes its arrays one by one, as unpacking a named tuple takes longer than a small batch.
 
-In all of them dividing by zero is no error, and none but a gufunc holds the interpreter's lock
-(NumPy releases it for those).
+In all of them dividing by zero is no error, and the interpreter's lock is released (for gufuncs by
+NumPy).
 
 Numba recompiles a cached kernel when the kernel's own file changes. Here a kernel is recompiled
 also when a file changes from which it takes compiled helpers or named tuples, directly or through
@@ -29,6 +29,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from hashlib import sha256
+from os.path import dirname
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar
@@ -168,10 +169,14 @@ def _constants(module: ModuleType) -> Iterator[tuple[str, Any]]:
     for name, value in sorted(vars(module).items()):
         if isinstance(value, np.ndarray):
             yield name, value.tobytes()
-        elif isinstance(value, int | float | np.number) or (
-            isinstance(value, tuple) and all(isinstance(part, int | float) for part in value)
-        ):
+        elif _is_constant(value):
             yield name, value
+
+
+def _is_constant(value: Any) -> bool:
+    if isinstance(value, tuple):
+        return all(map(_is_constant, value))
+    return isinstance(value, int | float | np.number)
 
 
 def _reached(function: Any) -> set[ModuleType]:
@@ -187,7 +192,7 @@ def _reached(function: Any) -> set[ModuleType]:
 
 
 def _uses(module: ModuleType) -> set[ModuleType]:
-    """Modules from which a module has compiled things; remembered once it is imported."""
+    """Modules that a module holds or has compiled things from; remembered once it is imported."""
     if getattr(module.__spec__, "_initializing", False):
         return _uses_now(module)
     return _uses_once(module)
@@ -200,9 +205,10 @@ def _uses_once(module: ModuleType) -> set[ModuleType]:
 
 def _uses_now(module: ModuleType) -> set[ModuleType]:
     values = list(vars(module).values())
-    for value in filter(_is_ours, values):
+    held = {value for value in values if _is_ours(value) or _is_beside(value, module)}
+    for value in held:
         values = [*values, *vars(value).values()]
-    return _modules(map(_home, values))
+    return held | _modules(map(_home, values))
 
 
 def _modules(names: Iterable[str | None]) -> set[ModuleType]:
@@ -212,6 +218,14 @@ def _modules(names: Iterable[str | None]) -> set[ModuleType]:
 
 def _is_ours(value: Any) -> bool:
     return isinstance(value, ModuleType) and value.__name__.partition(".")[0] in _PACKAGES
+
+
+def _is_beside(value: Any, module: ModuleType) -> bool:
+    """Whether a value is a module whose file lies in the same folder as another's."""
+    if not isinstance(value, ModuleType):
+        return False
+    folders = [dirname(getattr(one, "__file__", None) or "") for one in (value, module)]
+    return folders[0] == folders[1] != ""
 
 
 def _home(value: Any) -> str | None:

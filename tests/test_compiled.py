@@ -48,9 +48,15 @@ def raised(x):
 def shifted(x):
     return x + 4.0
 """
+SIZES = """
+OFFSET = 0.0
+TABLE = ((0.0, 1.0), (2.0, 3.0))
+"""
 USERS = """
 import helpers
+import sizes
 from helpers import FACTOR, Pair, raised, scaled, shifted
+from sizes import TABLE
 from coopenv.compiled import compiled, fused_entry, gufunc, inlined
 
 @inlined
@@ -59,7 +65,7 @@ def through(x):
 
 @compiled
 def plain(x):
-    return raised(through(x) + FACTOR) - 1.0
+    return raised(through(x) + FACTOR) - 1.0 + sizes.OFFSET + TABLE[0][0]
 
 @fused_entry
 def entry(x):
@@ -117,6 +123,8 @@ def replace(file: Path, old: str, new: str) -> None:
             "second: float\n    first: float",
             "5.0 5.0 3.0 8.0 1 1",
         ),
+        ("OFFSET = 0.0", "OFFSET = 9.0", "14.0 5.0 3.0 7.0 1 1"),
+        ("((0.0,", "((7.0,", "12.0 5.0 3.0 7.0 1 1"),
         ("FACTOR = 2.0", "FACTOR = 2.0", "5.0 5.0 3.0 7.0 0 0"),
     ],
 )
@@ -124,9 +132,10 @@ def test_a_kernel_is_recompiled_when_what_it_uses_from_another_file_changes(
     old, new, expected, tmp_path
 ):
     (tmp_path / "helpers.py").write_text(HELPERS)
+    (tmp_path / "sizes.py").write_text(SIZES)
     (tmp_path / "users.py").write_text(USERS)
     assert run(ASK, tmp_path) == "5.0 5.0 3.0 7.0 1 1"
-    replace(tmp_path / "helpers.py", old, new)
+    replace(tmp_path / ("helpers.py" if old in HELPERS else "sizes.py"), old, new)
     assert run(ASK, tmp_path) == expected
 
 
