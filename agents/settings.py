@@ -8,7 +8,7 @@ from typing import Any, Literal, Self
 
 from coopenv.arrays import positive, whole
 from coopenv.config import TransportConfig
-from coopenv.envs import registry as module
+from coopenv.envs import registry
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import written
 
@@ -60,7 +60,7 @@ def find_config(env: str | TransportConfig, keywords: dict[str, Any]) -> Transpo
                 f"{sorted(keywords)}; change it with dataclasses.replace"
             )
         return env
-    return module.find_config(env, keywords)
+    return registry.find_config(env, keywords)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""What a number of substeps costs and buys: the table behind the default, in docs/accuracy.md.
+"""Benchmark of simulation accuracy against the number of physics substeps, for docs/accuracy.md.
 
 Free motion is integrated exactly whatever the number; only contacts depend on it. Beams of the
 default body are driven into the walls of the default room by two agents who push at their limits
@@ -16,10 +16,10 @@ import numpy as np
 
 from benchmarks.pages import DOCS, fill
 from coopenv import Body, Scene, TransportConfig
-from coopenv import wrench as wrench_module
 from coopenv.arrays import FloatArray
 from coopenv.geometry.frames import rotated
 from coopenv.physics.world import World
+from coopenv.wrench import object_wrench
 
 NUM_WORLDS, NUM_STEPS, HOLD, DT = 512, 200, 10, 0.05
 REFERENCE, CHOICES = 200, (1, 2, 3, 5, 10, 20)
@@ -54,7 +54,7 @@ def drive(substeps: int, size: float, seed: int = 0) -> tuple[FloatArray, float,
     for step in range(NUM_STEPS):
         if step % HOLD == 0:
             pushes = limits * generator.choice([-1.0, 1.0], (NUM_WORLDS, body.num_agents, 3))
-            wrench = wrench_module.object_wrench(pushes, body.grips)
+            wrench = object_wrench(pushes, body.grips)
         began = time.perf_counter()
         world.step(wrench)
         costs.append(time.perf_counter() - began)

@@ -1,4 +1,4 @@
-"""Learning to carry things together.
+"""Reinforcement learning environments for cooperative object transport, with wrench decomposition.
 
 Importing this package registers its environments with Gymnasium.
 """

@@ -87,7 +87,10 @@ def number_range(value: Any, name: str) -> Range:
 
 
 def positive_range(value: Any, name: str, *, or_zero: bool = False, at_most: float = inf) -> Range:
-    """`number_range` that begins above zero, ``or_zero``, and ends ``at_most`` somewhere."""
+    """Return ``value`` as (low, high), or raise `InvalidInput` unless 0 < low <= high <= at_most.
+
+    With ``or_zero`` the low end may be zero.
+    """
     low, high = number_range(value, name)
     if low < 0 or (low == 0 and not or_zero):
         rule = "not begin below zero" if or_zero else "begin above zero"

@@ -8,9 +8,9 @@ keyed numbers are drawn.
 
 Keys form a tree: ``mixed(key, number)`` is branch ``number`` of a key. A sensor's error has the
 key of its episode, then block, agent, step, feature; a partner's tremor that of its episode, then
-step, what it is for, which component; a trait that of its episode, then its name. `fraction` and
-the two normals turn a key into a number. They are two because either's numbers are part of what a
-seed stands for.
+step, what it is for, which component; a trait that of its episode, then its name. `fraction`
+turns a key into a uniform number, `normal` and `polar_normal` turn it into a normal one. Both
+normals are kept, though one would do: to replace either would change the episodes of every seed.
 
 Sources: Salmon et al. 2011 for counter-based generators; Steele, Lea & Flood 2014 for SplitMix64.
 """

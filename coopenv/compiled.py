@@ -86,7 +86,7 @@ def fused_entry(function: Callable[..., Any]) -> Any:
 def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:
     """Compile a float64 kernel to a NumPy gufunc that broadcasts over any batch shape.
 
-    The decorator returns NumPy's own ufunc instead of numba's wrapper, which saves 0.7 µs a call.
+    The decorator returns NumPy's own ufunc instead of numba's wrapper, which is slower to call.
     NumPy releases the interpreter lock while the kernel runs.
 
     A kernel must not divide by zero nor take the root of a negative number, even in a branch that

@@ -165,7 +165,7 @@ class TransportConfig:
 
     @property
     def terms(self) -> RewardSum:
-        """The reward's terms, whatever word or term it was given as."""
+        """The reward as a sum of named terms, in whichever form it was given."""
         return cast(RewardSum, self.reward)  # read when the configuration was made
 
     def _check_agreement(self) -> None:

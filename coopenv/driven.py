@@ -16,9 +16,9 @@ from coopenv.transition import Transition
 
 
 class DrivenAgents:
-    """Nobody: every agent learns, and gets what it earns and sees.
+    """Driven agents of an environment without a partner: none, so every agent learns.
 
-    `driven_agents` says who is driven in an environment.
+    `DrivenByPartner` overrides all methods; `driven_agents` chooses between the two.
     """
 
     def begin(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
@@ -47,7 +47,7 @@ class DrivenAgents:
         return terms
 
     def info(self, transition: Transition) -> Info:
-        """What is true of a partner after ``transition``, and no observation tells.
+        """Facts about the partner after ``transition`` that no observation shows.
 
         ``partner_plan`` ``(world, 3)`` is the pose it wants the object to reach (where it wants
         none: the object's own), ``partner_has_plan`` whether it wants one, ``disagreement`` the
@@ -151,7 +151,7 @@ def read_action(
 
 
 def driven_agents(config: TransportConfig, num_worlds: int) -> DrivenAgents:
-    """Those agents of ``num_worlds`` worlds whom the configuration's partner drives."""
+    """Agents in ``num_worlds`` worlds that the configuration's partner drives, if it has one."""
     if not isinstance(config.partner, Partner):
         return DrivenAgents()
     return DrivenByPartner(config.partner, config, num_worlds)
@@ -197,9 +197,11 @@ def _joint(action, wrench, learners, driven, frame, limits):
 
 @compiled
 def _where_to(plan, pose, goal):
-    """Plans, with the pose and with the goal where there is none; whether there is one, elsewhere.
+    """Fill in for missing plans (NaN), and say which worlds have a plan and which one off the goal.
 
-    "Elsewhere" is not at the goal: distances from a pose to itself are rounded.
+    Returns four arrays: the plans with the object's pose where there is none; the plans with the
+    goal where there is none; whether there is a plan; whether it differs from the goal. The last
+    is found by comparison, since even the distance from a pose to itself is rounded.
     """
     shown, target = np.empty_like(plan), np.empty_like(plan)
     decided, apart = np.empty(len(plan), dtype=np.bool_), np.empty(len(plan), dtype=np.bool_)

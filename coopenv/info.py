@@ -19,8 +19,8 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]; shares ``(world, agent)`` are
     NaN where undefined; the levels F_I [N] and T_I [N·m], γ, the wasted cost [N], ``success`` and
     ``contact_impulse`` [N·s] are ``(world,)``; ``reward_terms`` maps each name to
-    ``(world, agent)``. Where body and team are drawn, ``body`` holds what was:
-    `coopenv.conditions.Conditions.parameters`.
+    ``(world, agent)``. Where body and team are drawn anew in every episode, ``body`` holds
+    the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
     decomposition = transition.decomposition
     share = decomposition.load_share

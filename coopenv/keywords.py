@@ -75,7 +75,7 @@ def _described_task(value: Mapping[str, Any], kind: type[Task]) -> Task:
 def read_observe(sensing: str | None, observe: Any, task: Task) -> tuple[Entry, ...]:
     """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``.
 
-    Names of the task's own blocks are replaced by these.
+    Where a name is that of one of the task's own blocks, the block itself takes its place.
     """
     own = {block.name: block for block in task.blocks}
     if sensing is not None:

@@ -78,10 +78,10 @@ _finders: list[Finder] = []
 
 
 def name_partners(finder: Finder) -> None:
-    """Say what finds partners by their names, instead of what did before.
+    """Register the function that finds partners by name; it replaces the one before.
 
-    `coopenv` names those of `coopenv.agents.partners`, which are made of the core and so are not
-    known to it.
+    On import, `coopenv` registers one that finds those of `coopenv.agents.partners`. The core
+    cannot import them, as they are themselves built on it.
     """
     _finders[:] = [finder]
 

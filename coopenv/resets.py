@@ -172,7 +172,7 @@ class Draws:
                 limits=np.array([limits for _, limits in carried]),
                 plan=plan,
             )
-        if self._needs_keys and chosen:  # after all else, which so stays as it is without sensors
+        if self._needs_keys and chosen:  # last: other draws do not depend on it
             conditions = conditions.with_keys(worlds, draw_keys(generators, worlds))
         return conditions, start, goal
 

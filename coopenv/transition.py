@@ -58,7 +58,7 @@ class Transition:
 
     @property
     def decomposition(self) -> Decomposition:
-        """Of ``applied``, under the environment's settings."""
+        """Decomposition of ``applied`` under the environment's settings."""
         found = self._own[0] if self._own else None  # hashing settings costs more than this
         if found is None:
             found = self.decompose(self.team.settings)
@@ -66,7 +66,7 @@ class Transition:
         return found
 
     def decompose(self, settings: Settings) -> Decomposition:
-        """Of ``applied``, under other settings; computed once a step for each."""
+        """Decomposition of ``applied`` under other settings; computed once a step for each."""
         found = self._decompositions.get(settings)
         if found is None:
             found = self.team.decomposer(settings)(self.applied)

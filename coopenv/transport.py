@@ -224,7 +224,10 @@ class Transport:
     def advance(
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None
     ) -> tuple[npt.NDArray[np.float32], FloatArray, BoolArray, BoolArray, Info]:
-        """`step` for views that copy what they hand out: these arrays are the core's own."""
+        """Step like `step`, but return the core's own arrays instead of copies.
+
+        For views, which copy before they hand anything out.
+        """
         before = self._running(restart)
         clipped, applied = self._applied(action, before, restart)
         self.world.step(sum_at_centre(applied, self.team.grips))

@@ -1,3 +1,5 @@
+"""Compilation with numba: recompilation, cache and threads."""
+
 import os
 import shutil
 import subprocess

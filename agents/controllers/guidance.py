@@ -45,7 +45,7 @@ class Outline(NamedTuple):
 
 @inlined
 def triple(rows, k):
-    """Row ``k`` of three numbers; a view of it would cost more than all that is done with it."""
+    """Row ``k`` of three numbers as a tuple, which is cheaper to make than a view of the row."""
     return rows[k, 0], rows[k, 1], rows[k, 2]
 
 

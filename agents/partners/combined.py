@@ -150,7 +150,7 @@ class Population(Kind):
 
 
 def _everybody() -> tuple[Kind, ...]:
-    """One of each kind, those with a number to it over a range of it."""
+    """One member of each kind; numbers given as a range are drawn in every episode."""
     return (
         Impedance(offset=(0.0, 0.5), turn=(0.0, 0.5)),
         Leader(),

@@ -153,9 +153,9 @@ def _scaled(wrench, factor):
 
 @inlined
 def _felt(motion, load, applied, grips, driven, k, dt):
-    """What moved the object in the last step beside this partner, object frame: M v̇ + D v − h.
+    """Wrench on the object in the last step that was not this partner's: M v̇ + D v − h.
 
-    ``motion`` is its pose and twist, and its twist at the step's begin.
+    Object frame. ``motion`` is the object's pose and twist now, and its twist one step before.
     """
     pose, twist, before = motion
     mass, inertia, linear_drag, angular_drag = load
@@ -230,7 +230,7 @@ def _give(parts, largest, driven, given, k, slot):
 
 @inlined
 def _carry(wrench, grips, driven, given, k, slot):
-    """Give each driven agent this wrench at the centre of mass, moved to its grip."""
+    """Let each driven agent apply, at its grip, what equals this wrench at the centre of mass."""
     x, y, torque = wrench
     for number in range(len(driven)):
         i = driven[number]
@@ -254,7 +254,7 @@ def _shake(force, torque, draw, given, k, slot):
 
 @inlined
 def _recall(given, k, step, delay, out):
-    """What was right ``delay`` steps ago, nothing before the episode began."""
+    """Copy the wrenches of ``delay`` steps ago to ``out``; zero before the episode began."""
     then, begun = (step - delay) % given.shape[1], step >= delay
     for number in range(given.shape[2]):
         for j in range(3):

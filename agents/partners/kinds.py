@@ -21,8 +21,8 @@ class Impedance(Kind):
     turned by ``turn`` to a side drawn for it: its disagreement is known exactly. A plan that would
     lie in a wall of the room is mirrored to the other side of the goal.
 
-    It knows the room, not what stands in it and not wheels: it heads straight for its plan, so in
-    `BeamDoorway` it leads against the wall beside the gap, and a walker it does not steer.
+    It knows the room's walls, but neither obstacles nor wheels, and heads straight for its plan. In
+    `BeamDoorway` it therefore leads against the wall beside the gap, and it cannot steer a walker.
 
     With no offset it does what one hand of `coopenv.agents.controllers.ImpedanceController` does.
     Whatever it feels changes nothing.

@@ -23,7 +23,7 @@ MEASURES = {
 
 
 def columns_of(names: Iterable[str], values: npt.NDArray) -> dict[str, npt.NDArray]:
-    """Columns by name of values whose last axis, or last two, they are; samples flattened."""
+    """One named column for each entry of the last axis, or last two, of values; samples flat."""
     listed = tuple(names)
     return dict(zip(listed, values.reshape(-1, len(listed)).T, strict=True))
 

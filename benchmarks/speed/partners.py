@@ -1,4 +1,4 @@
-"""What scripted partners add to a step, beside the bare physics in the same run."""
+"""Benchmark of scripted partners: the time they add to a step, beside bare physics."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""What range sensors add to a step, beside the bare physics in the same run."""
+"""Benchmark of range sensors: the time they add to a step, beside bare physics in the same run."""
 
 import numpy as np
 

@@ -114,12 +114,12 @@ def _entered(id: str, made: Views, module: str, **kwargs: str) -> Views:
 
 
 def single_env(*, registered: str, **keywords: Any) -> TransportEnv:
-    """The Gymnasium view of what `register` was told as ``"module:id"``."""
+    """The Gymnasium view of an id that `register` entered as ``"module:id"``."""
     return _registered(registered).single_env(**keywords)
 
 
 def vector_env(num_envs: int = 1, *, registered: str, **keywords: Any) -> TransportVectorEnv:
-    """The Gymnasium vector view of what `register` was told as ``"module:id"``."""
+    """The Gymnasium vector view of an id that `register` entered as ``"module:id"``."""
     return _registered(registered).vector_env(num_envs, **keywords)
 
 

@@ -55,7 +55,7 @@ class Specified:
 
 
 def defaults_of(spec: EnvSpec) -> Any:
-    """The defaults of the id behind a specification, ``None`` if it is not of our making."""
+    """The defaults of the id behind a specification; ``None`` if coopenv did not register it."""
     entry = spec.entry_point
     creator = load_env_creator(entry) if isinstance(entry, str) else entry
     defaults = getattr(creator, "defaults", None)
@@ -63,6 +63,6 @@ def defaults_of(spec: EnvSpec) -> Any:
 
 
 def _config(spec: EnvSpec, kwargs: dict[str, Any]) -> TransportConfig:
-    """The configuration in ``kwargs``, those that views have besides left out."""
+    """The configuration in ``kwargs``, without keywords that only views know."""
     known = {name: value for name, value in kwargs.items() if name in NAMES}
     return TransportConfig.parse(known, defaults_of(spec))

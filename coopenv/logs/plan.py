@@ -242,7 +242,7 @@ def _hint(name: str, columns: Sequence[str], like: str = "") -> str:
 
 
 def _taken(name: str, column: str) -> bool:
-    """Whether a column is something else than ``name`` by its own name."""
+    """Whether a column's own name says that it is something other than ``name``."""
     if is_documented(column):
         return True
     other, own = EFFECTOR.fullmatch(column.lower()), EFFECTOR.fullmatch(name)

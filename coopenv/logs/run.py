@@ -99,7 +99,7 @@ def decompose_file(
 
 @contextmanager
 def _begun(path: Path) -> Iterator[Path]:
-    """As `coopenv.files.written`, found out to be possible before any work is done."""
+    """Like `coopenv.files.written`, but raise at once where the file cannot be written."""
     require_writable(path)
     with written(path) as part:
         part.touch()

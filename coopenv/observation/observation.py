@@ -94,7 +94,7 @@ class Observation:
 def _copies(
     chosen: Sequence[Block], blocks: Mapping[str, slice], view: Mapping[str, slice]
 ) -> list[tuple[slice, slice]]:
-    """What goes where from the agents' view; what lies side by side in both goes in one piece."""
+    """Slices to copy from the agents' view, (to, from); neighbours in both are one slice."""
     copies: list[tuple[slice, slice]] = []
     for block in chosen:
         if block.read is None:

@@ -1,8 +1,8 @@
 """Imperfect sensors: noise, a bias and a delay on what a block of the observation reads.
 
 Errors are keyed random numbers (`coopenv.chance`): a function of the key that the world's generator
-draws at every reset, and of block, agent, step and feature. So they take no state, and a world's
-do not depend on how many run beside it.
+draws at every reset, and of block, agent, step and feature. So no state is kept for them, and
+the errors in a world do not depend on how many worlds run beside it.
 """
 
 from collections.abc import Sequence

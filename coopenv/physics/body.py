@@ -161,7 +161,7 @@ class Body:
 
 
 def copied(body: Body, values: Mapping[str, Any]) -> Body:
-    """A body that differs in ``values``, which are not checked: for those that were before."""
+    """A copy with other ``values``, which are not checked; pass only what was checked before."""
     made = object.__new__(type(body))
     for name in _FIELDS:
         object.__setattr__(made, name, values[name] if name in values else getattr(body, name))

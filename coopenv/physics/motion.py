@@ -37,7 +37,7 @@ NUM_COEFFICIENTS = 22
 # On wheels, in place of NODE_SPEED and NODE_PATH: path a unit of speed, and of force, by node.
 NODE_ROLL, NODE_PUSH = NODE_SPEED, NODE_PATH
 
-_LOCKED = 1e-6  # of a contact's mobility is left by the wheels: nothing gives way to it
+_LOCKED = 1e-6  # part of a contact's mobility: if wheels leave less, nothing moves
 
 
 def coefficients(
@@ -160,12 +160,12 @@ def _turned(table, k, motion):
 
 @compiled
 def yielded(table, k, along, dx, dy, spin):
-    """How a body on wheels answers contacts that would change a free one's twist by the given.
+    """How a body on wheels answers contacts that would change a free body's twist as given.
 
-    The impulse P and angular impulse L that stop a free body's approach are too small for wheels,
-    which give way only to the part of P along the heading (``along``, of ``dx, dy``); scaled so
-    that together they take as much speed from the contact, they stop it again. No energy is
-    gained by it.
+    Contacts give the impulse P and the angular impulse L that stop a free body (``dx``, ``dy``,
+    ``spin`` are the changes). Wheels give way only to the part of P along the heading (``along``),
+    so the same P and L would not stop a body on wheels. Both are therefore scaled up by one factor,
+    such that the contact loses as much speed as with a free body. No energy is gained by that.
 
     Returns
     -------

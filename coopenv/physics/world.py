@@ -95,9 +95,9 @@ class World:
         return [shard.space for shard in self._shards]
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
-        """Give ``worlds`` other bodies and obstacles, one entry each; to be placed anew after it.
+        """Give ``worlds`` other bodies and obstacles, one entry each; call `place` afterwards.
 
-        Rooms keep their size, and nothing may reach farther than what the world was made for.
+        Rooms keep their size. No body may reach farther than those the world was made with.
         """
         self.bodies, self.scenes = (
             _swapped(self.bodies, worlds, bodies),

@@ -1,4 +1,4 @@
-"""The lines beneath a picture: time, γ, F_I, T_I, a legend and every agent's load share."""
+"""Caption of a rendered picture: time, γ, F_I, T_I, legend, and a load share bar for each agent."""
 
 from collections.abc import Sequence
 from math import isfinite

@@ -1,4 +1,4 @@
-"""What things look like in a picture: colours, arrows, ghosts."""
+"""Style of rendered pictures: colour palette, shapes of arrows, wheels and marks."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What agents see of a reference, each in its own frame."""
+"""Observation of a moving reference: its preview and its twist in each agent's frame."""
 
 import numpy as np
 

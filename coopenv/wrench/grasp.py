@@ -100,7 +100,7 @@ def moment(grips: FloatArray, applied: FloatArray) -> FloatArray:
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return a × b ``(..., 3)``; the same bits as NumPy's in a third of the time."""
+    """Return a × b ``(..., 3)``; the same bits as NumPy's, but faster."""
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from coopenv import Transport, TransportConfig
-from coopenv.agents import evaluate as module
 from coopenv.agents.controllers import ImpedanceController, RandomPolicy
 from coopenv.agents.evaluate import (
     compare,
@@ -187,7 +186,7 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "table.json"
     save(seen, path)
     before = path.read_text()
-    monkeypatch.setattr(module.json, "dumps", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(json, "dumps", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         save(seen, path)
     assert path.read_text() == before

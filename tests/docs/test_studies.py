@@ -8,8 +8,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("statsmodels")
 
 from benchmarks import studies
-from coopenv.agents.studies.walker import avoid as walker_avoid
-from coopenv.agents.studies.walker import turn as walker_turn
+from coopenv.agents.studies.walker import avoid, turn
 from coopenv.agents.studies.walker.report import Walk
 from coopenv.agents.studies.walker.simulations import WalkerAvoid, WalkerTurn
 
@@ -44,10 +43,10 @@ def test_the_traits_are_those_of_the_code():
 @pytest.mark.parametrize(
     ("name", "found"),
     [
-        ("walker-turn claims", lambda: walker_turn.claims(Walk(WalkerTurn().run()))),
+        ("walker-turn claims", lambda: turn.claims(Walk(WalkerTurn().run()))),
         (
             "walker-avoid claims",
-            lambda: walker_avoid.claims(Walk(WalkerAvoid().run()), WalkerAvoid()),
+            lambda: avoid.claims(Walk(WalkerAvoid().run()), WalkerAvoid()),
         ),
     ],
 )

@@ -1,3 +1,5 @@
+"""Pictures written to disk as PNG and GIF."""
+
 import sys
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Renderer: what a picture of a step shows, and windows."""
+
 import os
 import subprocess
 import sys

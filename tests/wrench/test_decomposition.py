@@ -1,3 +1,5 @@
+"""Decomposition by every method: batches, dimensions, refusals."""
+
 import pickle
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Grasp matrix, object wrench and induced torque."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Load shares, energy shares, costs and internal levels."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Settings of a decomposition: defaults, names and refusals."""
+
 import dataclasses
 from typing import get_args
 

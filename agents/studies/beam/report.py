@@ -125,7 +125,7 @@ def save_series(run: BeamRun, by_method: dict[str, Decomposition], out: Path) ->
 
 
 class _Where:
-    """Which samples ``(inertia, motion, time)`` are what."""
+    """Masks of samples ``(inertia, motion, time)``: what was planned and done in each."""
 
     def __init__(self, run: BeamRun):
         shape = run.applied.shape[:3]
@@ -202,7 +202,7 @@ def _point_mass(split: Decomposition, where: _Where) -> list[Claim]:
 def _iff(
     method: str, level: FloatArray, condition: BoolArray, among: BoolArray, text: str
 ) -> list[Claim]:
-    """Zero where the condition holds (the largest decides), and nowhere else (the smallest)."""
+    """Claims that a level is zero where the condition holds, and above zero everywhere else."""
     elsewhere = among & ~condition
     return [
         Claim.zero(

@@ -129,10 +129,10 @@ class Hands(Kind):
 class Pairs:
     """Two people a world carry the beam.
 
-    Who is told the goal's angle plans with it. Who is not plans with the angle of the start and a
-    habitual turn, and gives in to torque that it did not expect of a partner who does an equal
-    part: its angle moves at ``yielding`` times half the difference of both torques at the centre
-    of mass.
+    A person who is told the goal's angle plans with that angle. A person who is not told plans
+    with the angle of the start plus a habitual turn, and yields to unexpected torque. The expected
+    torque of the partner, at the centre of mass, equals the person's own. The planned angle moves
+    at ``yielding`` times half the difference of the two.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ from ..tables import Table
 KEYS = ("pair", "condition", "trial")
 GRIPS = ("r1x", "r1y", "r2x", "r2y")
 COLUMNS = (*KEYS, "time", *POSE, *WRENCHES, *GRIPS)
-SAME_INSTANT = 1e-9  # [samples] between two entries that rounding alone keeps apart
+SAME_INSTANT = 1e-9  # [samples] entries nearer than this are simultaneous
 
 
 def table_of(

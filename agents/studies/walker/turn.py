@@ -76,7 +76,7 @@ def _free(walk: Walk) -> list[Claim]:
 
 
 def _others(walk: Walk) -> list[Claim]:
-    """The others find one: at every sample in which the drive turns, and a large one somewhere."""
+    """Claims that the other methods find an internal wrench whenever the drive turns the walker."""
     turning = np.abs(walk.recording.applied[:, 1, 2]) > TOUCH
     return [
         Claim(

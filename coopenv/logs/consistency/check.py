@@ -124,7 +124,7 @@ class Check:
 
 
 def _least_left(laws: Laws) -> float:
-    """What the best way to understand the forces leaves unexplained."""
+    """Share left unexplained when frame, velocity and sign are chosen to explain the most."""
     return min(
         laws.force(frame, velocity, sign)
         for frame in OTHER

@@ -16,7 +16,7 @@ MOST_SWAPPED = 4  # effectors of which every pair is tried in exchanged places
 
 
 class Signals:
-    """Of rows that follow one another, whichever frame was meant.
+    """Signals of consecutive rows, computed for either frame that the file may have meant.
 
     Parameters
     ----------
@@ -179,9 +179,10 @@ class Signals:
         return to_object(velocity, rotation), spin
 
     def _both(self, vectors: FloatArray, kind: str, *, world: bool) -> dict[str, FloatArray]:
-        """Vectors as they are if their numbers are of the object's frame, and if of the world's.
+        """Vectors by the frame that the file's numbers may have been in, "object" or "world".
 
-        Given in the object frame as it was declared; in the ``world`` frame or the object's.
+        ``vectors`` are in the object frame, to which they were turned from the declared one. Both
+        results are in the world frame if ``world``, else in the object's.
         """
         rotation = self._rotation
         assert rotation is not None

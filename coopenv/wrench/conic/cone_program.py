@@ -126,7 +126,7 @@ class ConeProgram:
         return clarabel.DefaultSolver(nothing, cost, matrix, right, self._cones, settings).solve()
 
     def _matrix(self, shape: tuple[int, int]) -> Any:
-        """Return A; its columns are put together here, as SciPy takes ten times as long."""
+        """Return A; its columns are put together here, as SciPy takes longer."""
         rows, columns = np.array(self._rows), np.array(self._columns)
         order = np.lexsort((rows, columns))
         starts = np.zeros(shape[1] + 1, dtype=np.int32)

@@ -128,7 +128,7 @@ def _solve_samples(
     internal, saved, nearly = plausible(applied - manipulation, applied, grips, weights, wanted)
     surely = saved.copy()
     poor = (saved < bound.shortfall - POOR * cost) & ~np.isnan(nearly[:, 0, 0])
-    if poor.any():  # the gap is no smaller, but the answer better by all we know
+    if poor.any():  # a better answer, though its gap is no smaller
         internal[poor] = nearly[poor]
         saved[poor] = saving_of(parts_of(internal, grips), whole, weights)[poor]
     slack = np.minimum(_slack(internal, whole, grips, bound), np.maximum(saved, 0.0))  # J* ≤ J(h)

@@ -62,7 +62,7 @@ def solve_batch(applied, grips, torque_weight, induced, tolerance, manipulation,
         place = grips[j if grips.shape[0] > 1 else 0]
         answer, own = manipulation[j], report[j]
         _solve_sample(sample, system, spare, applied[j], place, options, answer, own)
-    memory[0] = 0.0  # numba frees it after its last use, and knows of no other
+    memory[0] = 0.0  # keeps it alive: numba frees it after the last use it sees
 
 
 @fused

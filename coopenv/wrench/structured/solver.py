@@ -4,19 +4,21 @@ A primal-dual method (`interior_point`), in the plane or in space. The effectors
 the balance of force and torque, so every Newton step comes down to one system of 6 equations
 (`newton`); four effectors are treated at once (`lanes`). Where the forces agree (`agreement`), as
 those of a good team mostly do, the feasible set has no interior and the answer is written down
-instead; so it is where all that would be internal, 1e-5 of the cost at most, may be rounding.
+instead of iterated. Where an answer saves no more than `TRIFLE` and all of that may be rounding,
+nothing counts as internal. (The constants named here are in `tolerances`.)
 
 Every answer is balanced and inside every ball to rounding and carries a bound on its suboptimality
-from the dual program (`bound`). A sample whose bound is worse than 1e-8 is tried again with
-shorter, more central steps, balance being taken about the middle of the grips (`alignment`); one
-still worse than `ACCEPTED_GAP` is also given to another solver. The answer with the better bound is
-kept.
+from the dual program (`bound`). A sample whose bound is worse than `RETRIED_GAP` is tried again
+with shorter, more central steps, balance being taken about the middle of the grips (`alignment`);
+one still worse than `ACCEPTED_GAP` is also given to another solver. The answer with the better
+bound is kept.
 
-The bound speaks of the wrench as it is read: forces and torques below 1e-12 of the largest (1e-14
-where a torque's cost is no trifle) are left as applied, which the gap counts, a force within 1e-11
-of its lever's direction counts as along it, and balance holds to 1e-13. Where the feasible set is
-thin, the answer may be cheaper than the optimum by the root of rounding; the gap contains an
-estimate of it (`bound.undercut`). `docs/decomposition.md` says how good the answers are.
+The bound holds for the wrench as the solver reads it. Forces and torques below `NEGLIGIBLE` of the
+largest are left as applied (dear torques below `NEGLIGIBLE_DEAR`), which the gap counts. A force
+within `RADIAL` of its lever's direction counts as along it. Balance holds to `BALANCED`. Where the
+feasible set is thin, the answer may be cheaper than the optimum by the root of rounding; the gap
+contains an estimate of it (`bound.undercut`). `docs/decomposition.md` says how good the answers
+are.
 
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """

@@ -23,8 +23,8 @@ MOST_TRIED = 8  # answers of a sample that are decomposed before another round
 def find(wish: Wish) -> tuple[FloatArray, int | None]:
     """Applied wrenches ``(batch, n, k)`` that decompose as wanted.
 
-    Also the number of a sample for which there is none or none was found, if any; the search
-    ends there.
+    The search ends at the first sample that is impossible or was searched in vain. The number of
+    that sample is returned beside the wrenches; None where all were found.
     """
     applied = _along_resultant(wish)
     on_line = on_axis.applies(wish.grips)

@@ -8,8 +8,7 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
-from coopenv.agents.studies.beam import report as beam_report
-from coopenv.agents.studies.beam import simulation as beam
+from coopenv.agents.studies.beam import report, simulation
 from coopenv.agents.studies.beam.simulation import MOTIONS, BeamConfig
 from coopenv.agents.studies.methods import COMPARED, decompose_by_methods
 from coopenv.errors import InvalidInput
@@ -21,7 +20,7 @@ BRIEF = BeamConfig(duration=2.0, dt=0.02)
 
 @pytest.fixture(scope="module")
 def run():
-    return beam.simulate(BRIEF)
+    return simulation.simulate(BRIEF)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +38,7 @@ def test_the_body_follows_the_plan_by_the_recorded_wrenches(run):
 
 
 def start_and_way(motion: int) -> np.ndarray:
-    return np.array(beam.STARTS[motion]) + np.array(beam.WAYS[motion])
+    return np.array(simulation.STARTS[motion]) + np.array(simulation.WAYS[motion])
 
 
 def test_a_beam_that_is_harder_to_turn_needs_more_torque(run):
@@ -51,7 +50,7 @@ def test_a_beam_that_is_harder_to_turn_needs_more_torque(run):
 def test_forces_are_shared_as_wanted_and_add_up():
     wanted = np.array([(3.0, 0.0, 0.0), (-2.0, 0.0, 1.5), (1.0, 2.0, -0.7)])
     for mass, share in ((1.0, 0.5), (4.0, 0.5), (2.5, 0.9), (1.0, 0.0)):
-        applied = beam.share(wanted, GRIPS, mass, share)
+        applied = simulation.share(wanted, GRIPS, mass, share)
         np.testing.assert_allclose(object_wrench(applied, GRIPS), wanted, atol=1e-12)
         assert load_share(applied[0], GRIPS).force == pytest.approx([share, 1 - share])
         torque = wanted[:, 2] / (2 + 2 * mass)  # J* / J_o*, both agents
@@ -59,7 +58,7 @@ def test_forces_are_shared_as_wanted_and_add_up():
 
 
 def test_every_motion_goes_through_every_combination_of_the_schedules(run):
-    parts = beam.sections(run)
+    parts = simulation.sections(run)
     assert parts.sum(axis=0).tolist() == [1] * 100
     assert parts.sum(axis=1).min() >= 10
     assert run.virtual_mass.max() == pytest.approx(4.0, abs=0.02)
@@ -67,17 +66,17 @@ def test_every_motion_goes_through_every_combination_of_the_schedules(run):
 
 
 def test_the_papers_claims_hold_and_ours_about_askew_motion_do_not(run, by_method):
-    found = beam_report.claims(run, by_method)
+    found = report.claims(run, by_method)
     assert len(found) == 21
     for claim in found:
-        assert claim.holds == (claim.source != beam_report.BEYOND), claim
+        assert claim.holds == (claim.source != report.BEYOND), claim
 
 
 def test_a_disagreement_that_is_put_in_breaks_the_claims(run):
     applied = run.applied.copy()
     applied[0, 2, 50, :, 2] += [0.5, -0.5]  # [N·m], one sample of pure translation
     spoilt = replace(run, applied=applied)
-    found = beam_report.claims(spoilt, decompose_by_methods(applied, run.grips))
+    found = report.claims(spoilt, decompose_by_methods(applied, run.grips))
     broken = {claim.text.split(":")[0] for claim in found if not claim.holds}
     assert {"ours", "ours (pTtTC)"} <= broken
     level = next(claim for claim in found if claim.text.startswith("ours: T_I"))
@@ -86,12 +85,12 @@ def test_a_disagreement_that_is_put_in_breaks_the_claims(run):
 
 def test_a_body_that_leaves_its_plan_breaks_the_claims(run, by_method):
     lost = replace(run, pose=run.pose + np.array([0.01, 0.0, 0.02]))
-    found = beam_report.claims(lost, by_method)
+    found = report.claims(lost, by_method)
     assert [claim.holds for claim in found[:2]] == [False, False]
 
 
 def test_the_series_are_what_was_recorded(tmp_path, run, by_method):
-    beam_report.save_series(run, by_method, tmp_path)
+    report.save_series(run, by_method, tmp_path)
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 * len(MOTIONS) * 100

@@ -9,8 +9,7 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from coopenv import cli
-from coopenv.agents.studies.walker import avoid as walker_avoid
-from coopenv.agents.studies.walker import turn as walker_turn
+from coopenv.agents.studies.walker import avoid, turn
 from coopenv.agents.studies.walker.report import Walk
 from coopenv.agents.studies.walker.simulations import RollingPlan, WalkerAvoid, WalkerTurn
 
@@ -33,32 +32,32 @@ def broken(found) -> set[str]:
 
 
 def test_every_claim_about_the_turn_holds(turned):
-    found = walker_turn.claims(Walk(turned))
+    found = turn.claims(Walk(turned))
     assert len(found) == 20
     assert not broken(found)
 
 
 def test_a_turn_to_the_right_keeps_them_too():
     recording = WalkerTurn(dt=0.02, plan=RollingPlan(turn=-2.0)).run()
-    assert not broken(walker_turn.claims(Walk(recording)))
+    assert not broken(turn.claims(Walk(recording)))
 
 
 def test_a_drive_that_works_against_the_human_breaks_them(turned):
     applied = turned.applied.copy()
     applied[200, 0, 2] = -3.0  # [N·m] in the middle of the turn
-    found = broken(walker_turn.claims(Walk(replace(turned, applied=applied))))
+    found = broken(turn.claims(Walk(replace(turned, applied=applied))))
     assert {"ours (optimal)", "ours (pTtTC)", "point mass"} <= found
     assert "the human gives no torque and no force across" in found
 
 
 def test_every_claim_about_the_obstacle_holds(avoided):
-    found = walker_avoid.claims(Walk(avoided), AVOID)
+    found = avoid.claims(Walk(avoided), AVOID)
     assert len(found) == 17
     assert not broken(found)
 
 
 def test_the_forces_are_equal_where_the_resultant_turns_round(avoided):
-    at = walker_avoid.equalities(avoided)
+    at = avoid.equalities(avoided)
     resultant = avoided.applied[..., 0].sum(axis=1)
     assert len(at) >= 1
     assert (resultant[at] * resultant[at - 1] < 0).all()
@@ -67,7 +66,7 @@ def test_the_forces_are_equal_where_the_resultant_turns_round(avoided):
 def test_a_drive_that_lets_go_breaks_them(avoided):
     applied = avoided.applied.copy()
     applied[:, 1] = 0.0
-    found = walker_avoid.claims(Walk(replace(avoided, applied=applied)), AVOID)
+    found = avoid.claims(Walk(replace(avoided, applied=applied)), AVOID)
     assert len([claim for claim in found if not claim.holds]) >= 4  # nothing peaks, nothing jumps
 
 

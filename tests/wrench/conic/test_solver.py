@@ -1,3 +1,5 @@
+"""Conic solver: feasible, optimal within its gap, and robust at any scale."""
+
 import numpy as np
 import pytest
 

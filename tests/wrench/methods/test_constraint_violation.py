@@ -1,3 +1,5 @@
+"""Constraint violation method against its original formula."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Maximal internal force method: plausible, and optimal within its gap."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Net force method: forces split along and across the resultant."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""One-dimensional method (eq. 8) of two forces on a line."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Point mass approximation: shares along the resultants."""
+
 import numpy as np
 import pytest
 

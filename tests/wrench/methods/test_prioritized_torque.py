@@ -1,3 +1,5 @@
+"""Prioritised torque method: the limit of the optimum as torque gets all the weight."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Pseudoinverse methods: allocation by a generalised inverse of the grasp matrix."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Virtual linkage: internal forces along the lines between effectors."""
+
 import numpy as np
 import pytest
 

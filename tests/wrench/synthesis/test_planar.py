@@ -1,3 +1,5 @@
+"""Synthesis for two planar effectors off any line through the centre of mass."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Synthesis of wrenches with wanted resultant, load shares and internal wrench."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Synthesis of load shares that need forces across the resultant."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -3,8 +3,8 @@
 The fields of four blocks lie side by side in memory, field after field. ``Four`` points to them,
 and ``[field]`` gives one as lanes (`lanes`). ``One`` points to the fields of a single block, and
 ``[field]`` gives a number. ``Table`` points to rows of six numbers, ``[row, column]``. There are
-also arrays. Numba counts references to none of them, which would take half the time, and checks no
-index against any end: whoever made the memory must keep it alive.
+also arrays. Numba counts references to none of them, which would cost time, and checks no index
+against any end: whoever made the memory must keep it alive.
 """
 
 import operator

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
 
-from coopenv.agents.studies.dyads import report as dyads_report
+from coopenv.agents.studies.dyads import report
 from coopenv.agents.studies.dyads.analysis import (
     METHODS,
     analyse,
@@ -141,7 +141,7 @@ def test_what_cannot_be_analysed_is_said():
     analysis = analyse(table)
     assert analysis.torque_effects == ()
     assert any("2 subjects" in note for note in analysis.notes)
-    claims = dyads_report.claims(analysis)
+    claims = report.claims(analysis)
     assert not claims[0].holds
     assert "2 subjects" in claims[0].why
     with pytest.raises(InvalidInput, match="first must be 1"):
@@ -151,7 +151,7 @@ def test_what_cannot_be_analysed_is_said():
 
 
 def test_the_comparison_states_differences_to_the_human_numbers(full):
-    rows = {row["quantity"]: row for row in dyads_report.comparison(full)}
+    rows = {row["quantity"]: row for row in report.comparison(full)}
     one = rows["T_I, ours, guide to one [N·m]"]
     assert one["people"] == "0.1548 ± 0.0693"
     here = float(one["recorded trials"].split()[0])
@@ -163,7 +163,7 @@ def test_the_comparison_states_differences_to_the_human_numbers(full):
 
 
 def test_everything_is_written(tmp_path, full):
-    claims, files = dyads_report.write(full, tmp_path)
+    claims, files = report.write(full, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == set(files)
     assert len(claims) == 7
     for name in ("internal_torque.png", "load_density.png"):
