@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -62,6 +63,16 @@ def modules() -> set[str]:
             f"coopenv/{path.relative_to(ROOT).as_posix()}" for path in (ROOT / name).rglob("*.py")
         }
     return found
+
+
+def test_every_folder_of_the_package_is_listed():
+    setuptools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    folders = {Path(path).parent for path in modules()}
+    assert set(setuptools["packages"]) == {".".join(folder.parts) for folder in folders}
+    linked = {folder for folder in folders if len(folder.parts) > 1 and folder.parts[1] in LINKED}
+    assert setuptools["package-dir"] == {
+        ".".join(folder.parts): "/".join(folder.parts[1:]) for folder in linked
+    }
 
 
 def test_the_wheel_holds_every_module(distribution):

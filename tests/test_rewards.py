@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from coopenv import Transport, rewards, wrench
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.rewards import terms
 from coopenv.transition import Transition
 
 SQUEEZE = [[[4.0, 0.0, 0.0], [-4.0, 0.0, 0.0]]]  # object frame [N, N, N·m]
@@ -37,6 +38,13 @@ def with_distance(before: float, after: float, *, terminated: bool = False) -> T
         next_state=replace(at.next_state, distance=np.array([after])),
         terminated=np.array([terminated]),
     )
+
+
+def test_every_term_is_handed_on():
+    made = {name for name, each in vars(terms).items() if isinstance(each, type)}
+    own = {name for name in made if getattr(terms, name).__module__ == terms.__name__}
+    assert own <= set(rewards.__all__)
+    assert "Contact" in own
 
 
 def test_squeezing_costs_each_agent_the_norm_of_its_internal_force():

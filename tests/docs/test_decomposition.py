@@ -19,6 +19,13 @@ def test_every_method_is_explained():
     assert explained == list(wrench.METHODS)
 
 
+def test_every_solver_is_in_the_table_of_solvers():
+    text = methods.PAGE.read_text(encoding="utf-8")
+    table = text.split("| for | `solver=` |")[1].split("\n\n")[0]
+    named = re.findall(r"^\|[^|]*\| `(\w+)` \|", table, flags=re.MULTILINE)
+    assert set(named) == set(wrench.SOLVERS)
+
+
 def test_the_literals_of_the_paper_are_in_the_table():
     table = {row[0].strip("`"): row[1:] for row in methods.rows()}
     assert table["optimal"][:6] == ["0", "0", "1", "0", "0", "4.472"]

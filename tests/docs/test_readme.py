@@ -1,10 +1,16 @@
 """The README's code runs, top to bottom, and says what is true."""
 
+import inspect
 import re
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from coopenv.agents import settings
+from coopenv.agents.partners import PARTNERS
+from coopenv.envs.registry import find_config
+from tests.helpers import IDS
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -30,6 +36,24 @@ def test_every_python_block_of_the_readme_runs():
     assert names["split"].relative_cost == pytest.approx(0.5)
     assert names["wrench"].load_share(names["applied"], names["grips"]).force.tolist() == [1.0, 0.0]
     assert names["core"].num_worlds == 1024
+
+
+def test_every_environment_is_in_the_table_and_on_the_page_of_tasks():
+    text = README.read_text()
+    listed = re.findall(r"^\| `(\w+)` \|.*\| `coopenv\.(\w+)` \|$", text, flags=re.MULTILINE)
+    tasks = {
+        name.split("/")[1].removesuffix("-v0"): type(find_config(name, {}).task).__name__
+        for name in IDS
+    }
+    assert dict(listed) == tasks
+    page = (README.parent / "docs" / "tasks.md").read_text()
+    assert set(re.findall(r"^\*\*(\w+)\.\*\*", page, flags=re.MULTILINE)) == set(tasks)
+
+
+def test_every_partner_is_named():
+    (kinds,) = re.findall(r"^Kinds: (.*)\.$", README.read_text(), flags=re.MULTILINE)
+    assert set(kinds.split(", ")) == set(PARTNERS)
+    assert all(re.search(rf"\b{name}\b", inspect.getsource(settings)) for name in PARTNERS)
 
 
 def test_the_keywords_and_blocks_of_the_table_are_the_ones_that_exist():

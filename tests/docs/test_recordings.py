@@ -1,12 +1,14 @@
 """The page on recordings says what the code does, and its example runs."""
 
+import inspect
 import re
 
 import numpy as np
 
 from benchmarks import recordings
-from coopenv.logs import Layout, analyse, read
+from coopenv.logs import Layout, analyse, command, read
 from coopenv.logs.columns import is_documented
+from coopenv.logs.formats import FORMATS
 from tests.logs import cases
 
 TEXT = recordings.PAGE.read_text(encoding="utf-8")
@@ -15,6 +17,12 @@ TEXT = recordings.PAGE.read_text(encoding="utf-8")
 def test_the_tables_are_what_the_code_prints():
     # else: python -m benchmarks.recordings --write
     assert recordings.page() == TEXT
+
+
+def test_every_format_is_on_the_page_and_in_the_help():
+    for name in (known.suffixes[0] for known in FORMATS):
+        assert f"| {name} to {name} |" in TEXT
+        assert name in inspect.getsource(command)
 
 
 def test_every_column_of_the_page_is_understood():

@@ -13,6 +13,7 @@ from coopenv import Body, Transport, TransportConfig, TransportTask, rewards
 from coopenv.cli import main
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.tasks import TASKS
 from tests.helpers import IDS, PARALLEL
 
 MODULE = """
@@ -159,6 +160,13 @@ def test_our_own_ids_are_found_with_their_keywords():
         core = gymnasium.make(name, horizon=9).unwrapped.transport  # pyright: ignore[reportAttributeAccessIssue]
         assert find_config(name, {"horizon": 9}) == core.config
         assert isinstance(core, Transport)
+
+
+def test_the_task_of_each_of_our_ids_can_be_named_in_json_and_imported():
+    for name in IDS:
+        kind = type(find_config(name, {}).task)
+        assert kind in TASKS
+        assert getattr(coopenv, kind.__name__) is kind
 
 
 def test_the_module_of_each_of_our_ids_holds_its_entry_points():

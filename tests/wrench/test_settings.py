@@ -8,7 +8,7 @@ import pytest
 
 from coopenv import wrench
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
-from coopenv.wrench.settings import Method, Solver
+from coopenv.wrench.settings import PLAUSIBLE, Method, Solver
 
 
 def test_defaults_are_the_recommended_cost():
@@ -20,6 +20,21 @@ def test_defaults_are_the_recommended_cost():
 def test_every_method_and_solver_that_can_be_named_is_there_and_no_other():
     assert list(wrench.METHODS) == list(get_args(Method))
     assert ["auto", *wrench.SOLVERS] == list(get_args(Solver))
+
+
+@pytest.mark.parametrize("method", sorted(PLAUSIBLE))
+def test_a_method_that_is_called_plausible_claims_no_more_than_was_applied(method):
+    random = np.random.default_rng(0).normal(size=(200, 2, 3))
+    kinds = [random, random * [1, 1, 0], random * [1, 0, 0]]  # all, forces, forces along the beam
+    answered = 0
+    for applied in kinds:
+        try:
+            split = wrench.decompose(applied, [[-0.9, 0.0], [0.9, 0.0]], method=method)
+        except InvalidInput:
+            continue
+        answered += 1
+        assert np.max(split.residuals()) <= 1e-12
+    assert answered
 
 
 def test_settings_are_frozen_hashable_and_replaceable():
