@@ -165,7 +165,8 @@ class LoadShare:
 
     def check(self, num_agents: int) -> None:
         """Raise `InvalidInput` unless there is one wanted share, or one an agent."""
-        if np.ndim(self.wanted or 0.0) and np.shape(self.wanted) != (num_agents,):
+        wanted = self.wanted or 0.0
+        if np.ndim(wanted) and np.shape(wanted) != (num_agents,):
             raise InvalidInput(
                 f"wanted must be one number or one for each of {num_agents} agents, got "
                 f"{self.wanted!r}; add or drop entries"
