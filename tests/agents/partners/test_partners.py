@@ -368,7 +368,7 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
         (lambda: Population(members=()), r"partner.members must be a sequence of partners"),
         (lambda: Population(members=Leader()), r"members must be a sequence of partners"),  # pyright: ignore
         (lambda: Population(members=5), r"members must be a sequence of partners"),  # pyright: ignore
-        (lambda: Population(weights=(1.0,)), r"partner.weights must be .* one for each of 8"),
+        (lambda: Population(weights=(1.0,)), r"partner.weights must be .* one for each of \d"),
     ],
 )
 def test_numbers_that_make_no_sense_are_refused(make, said):
