@@ -1,4 +1,4 @@
-"""Array types, and checks of the numbers, ranges and arrays that users give."""
+"""Array types, rows of arrays, and checks of the numbers, ranges and arrays that users give."""
 
 from math import inf, isfinite
 from typing import Any, TypeAlias, TypeVar
@@ -113,6 +113,15 @@ def with_rows(array: Array, rows: IntArray, values: Any) -> Array:
     copy = array.copy()
     copy[rows] = values
     return copy
+
+
+def in_rows(array: FloatArray, batch: tuple[int, ...], core: int = 2) -> FloatArray:
+    """Broadcast to a batch shape and make one axis of it; the last ``core`` axes stay.
+
+    Not copied where NumPy need not, and then perhaps read-only.
+    """
+    shape = array.shape[array.ndim - core :]
+    return np.broadcast_to(array, (*batch, *shape)).reshape(-1, *shape)
 
 
 def _objects(array: npt.NDArray[Any]) -> list[Any]:

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, in_rows
 from coopenv.errors import SolverError
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.conic.bound import Bound, Duals, best_bound, default_duals
@@ -69,12 +69,9 @@ def _solve(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer
     w = settings.torque_weight
     weights = Prices(1.0 - w, w, settings.include_induced * w)
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-    wrenches = np.broadcast_to(applied, (*batch, *applied.shape[-2:])).reshape(
-        -1, *applied.shape[-2:]
-    )
+    wrenches, places = in_rows(applied, batch), in_rows(grips, batch)
     largest = np.abs(wrenches).max(axis=(-1, -2), keepdims=True, initial=0.0)
     wrenches = np.where(np.abs(wrenches) > VANISHING * largest, wrenches, 0.0)
-    places = np.broadcast_to(grips, (*batch, *grips.shape[-2:])).reshape(-1, *grips.shape[-2:])
     manipulation, gap = _agreeing(wrenches, grips.shape[-1]), np.zeros(len(wrenches))
     unanswered = np.flatnonzero(np.isnan(manipulation[:, 0, 0]))
     for first in range(0, len(unanswered), TOGETHER):

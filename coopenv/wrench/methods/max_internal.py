@@ -19,7 +19,7 @@ Source: Schmidts, Lee & Peer 2011, as compared in Donner, Endo & Buss 2018. The 
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray, in_rows
 from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.grasp import grasp_matrix
 from coopenv.wrench.methods.forces_only import forces_of, without_torque
@@ -45,10 +45,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     def solve(applied: FloatArray) -> Answer:
         force = forces_of(applied, grips, "max_internal")
         batch = force.shape[:-2]
-        flat = force.reshape(-1, *force.shape[-2:])
-        all_grips = np.broadcast_to(grips, (*batch, *grips.shape[-2:])).reshape(
-            -1, *grips.shape[-2:]
-        )
+        flat, all_grips = in_rows(force, batch), in_rows(grips, batch)
         internal, gap = np.zeros(flat.shape), np.zeros(len(flat))
         for k in range(0, len(flat), CHUNK):
             part = slice(k, k + CHUNK)

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import FloatArray, in_rows
 from coopenv.errors import InvalidInput
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.pair import off_axis, on_axis
@@ -51,7 +51,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
 def _solve_both(grips: FloatArray, settings: Settings, applied: FloatArray) -> Answer:
     """Solve for grips of which some are on an axis and some are not."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-    wrenches, places = _rows(applied, batch), _rows(grips, batch)
+    wrenches, places = in_rows(applied, batch), in_rows(grips, batch)
     manipulation, gap = np.empty(wrenches.shape), np.zeros(len(wrenches))
     on = on_axis.applies(places)
     off = ~on
@@ -59,9 +59,3 @@ def _solve_both(grips: FloatArray, settings: Settings, applied: FloatArray) -> A
     answer = off_axis.prepare(places[off], settings)(wrenches[off])
     manipulation[off], gap[off] = answer.manipulation, answer.gap
     return Answer(manipulation.reshape(*batch, *applied.shape[-2:]), gap.reshape(batch))
-
-
-def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
-    """Broadcast to the batch shape, which becomes one axis."""
-    core = array.shape[-2:]
-    return np.broadcast_to(array, (*batch, *core)).reshape(-1, *core)

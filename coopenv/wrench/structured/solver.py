@@ -27,7 +27,7 @@ from functools import partial
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import FloatArray, in_rows
 from coopenv.errors import SolverError
 from coopenv.wrench.answer import Answer, Prepare, Solve
 from coopenv.wrench.cores import on_all_cores
@@ -58,8 +58,8 @@ def _solve(
 ) -> Answer:
     """Manipulation wrenches, gaps [N], and where the answer is that of the other solver."""
     batch = np.broadcast_shapes(applied.shape[:-2], grips.shape[:-2])
-    rows = _rows(applied, batch)
-    places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else _rows(grips, batch)
+    rows = in_rows(applied, batch)
+    places = grips.reshape(1, *grips.shape[-2:]) if grips.ndim == 2 else in_rows(grips, batch)
     tolerance = WANTED_GAP_IN_PLANE if grips.shape[-1] == 2 else WANTED_GAP
     manipulation, report = iterate(rows, places, settings, tolerance)
     gap, applied_cost, undercut = report[:, GAP], report[:, APPLIED_COST], report[:, UNDERCUT]
@@ -73,12 +73,6 @@ def _solve(
     gap = gap + undercut
     shape = (*batch, *applied.shape[-2:])
     return Answer(manipulation.reshape(shape), gap.reshape(batch), fell_back.reshape(batch))
-
-
-def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
-    """Broadcast to the batch shape, which becomes one contiguous axis."""
-    core = array.shape[-2:]
-    return np.broadcast_to(array, (*batch, *core)).reshape(-1, *core)
 
 
 def iterate(

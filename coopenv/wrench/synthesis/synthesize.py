@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import FloatArray, finite_array, number_array
+from coopenv.arrays import FloatArray, finite_array, in_rows, number_array
 from coopenv.errors import InvalidInput
 from coopenv.wrench.grasp import checked_grips, require_batch, sum_at_centre, wrench_size
 from coopenv.wrench.settings import Settings
@@ -83,11 +83,11 @@ def synthesize(
     batches = (wanted.shape[:-1], force.shape[:-1], torque.shape[:-1], inside.shape[:-2])
     batch = _common_batch(*batches, grips.shape[:-2])
     wish = Wish(
-        _flat(wanted, batch, 1),
-        _flat(grips, batch, 2),
-        _flat(inside, batch, 2),
-        _flat(force, batch, 1),
-        _flat(torque, batch, 1),
+        in_rows(wanted, batch, core=1),
+        in_rows(grips, batch),
+        in_rows(inside, batch),
+        in_rows(force, batch, core=1),
+        in_rows(torque, batch, core=1),
         settings,
     )
     _require_defined(wish)
@@ -95,11 +95,6 @@ def synthesize(
     if failed is not None:
         raise InvalidInput(refusal.why(wish.rows(np.array([failed])), failed))
     return applied.reshape(*batch, num_effectors, size)
-
-
-def _flat(array: FloatArray, batch: tuple[int, ...], core: int) -> FloatArray:
-    shape = array.shape[array.ndim - core :]
-    return np.broadcast_to(array, (*batch, *shape)).reshape(-1, *shape)
 
 
 def _shaped(array: FloatArray, name: str, core: tuple[int, ...], grips: FloatArray) -> FloatArray:
