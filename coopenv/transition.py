@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.conditions import Conditions, Team
 from coopenv.geometry import frames
 from coopenv.wrench import Decomposition, Settings
@@ -90,8 +90,7 @@ def _merged(value: Any, worlds: IntArray, other: Any) -> Any:
     for entry in fields(value):
         mine = getattr(value, entry.name)
         if isinstance(mine, np.ndarray):
-            changed[entry.name] = mine.copy()
-            changed[entry.name][worlds] = getattr(other, entry.name)
+            changed[entry.name] = with_rows(mine, worlds, getattr(other, entry.name))
         elif isinstance(mine, State):
             changed[entry.name] = _merged(mine, worlds, getattr(other, entry.name))
     return replace(value, **changed)

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array
-from coopenv.compiled import compiled, inlined
+from coopenv.compiled import anywhere, compiled
 from coopenv.errors import InvalidInput
 
 COLUMNS = ("time", "x", "y", "theta")  # [s, m, m, rad]
@@ -157,6 +157,7 @@ def _table_motion(times, poses, rates, at):
     return out
 
 
+@anywhere
 def minimum_jerk(s):
     """Share of the way, its rate and second rate, at a fraction ``s`` in [0, 1] of the time.
 
@@ -168,9 +169,6 @@ def minimum_jerk(s):
         30 * s * s * (1 + s * (-2 + s)),
         60 * s * (1 + s * (-3 + 2 * s)),
     )
-
-
-_minimum_jerk = inlined(minimum_jerk)
 
 
 @compiled
@@ -195,7 +193,7 @@ def minimum_jerk_motion(plan, at, duration):
         within = min(max(at[k], 0.0), duration) / length
         j = min(int(within), count - 1)
         s = within - j
-        share, rate, change = _minimum_jerk(s)
+        share, rate, change = minimum_jerk(s)
         rate, change = rate / length, change / length**2
         for i in range(3):
             p = plan[k, 3 * j + i]
