@@ -11,6 +11,9 @@ from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back, wrapped
 
 LOOKS = 9  # angles looked at between here and the end of the look-ahead
+
+# Places of the `Gains` in a row
+APPROACH, DAMPING, SPEED, SPIN, MARGIN, LOOK_AHEAD = range(6)
 NUM_GAINS = 6
 
 
@@ -31,7 +34,7 @@ class Gains:
 
 
 def gains_row(gains: Gains) -> tuple[float, ...]:
-    """The six numbers as the kernels take them."""
+    """The six numbers as the kernels take them: at `APPROACH` and so on."""
     return tuple(map(float, astuple(gains)))
 
 
@@ -67,7 +70,7 @@ def object_wrench(gains, pose, twist, goal, load, size, outline):
         Of the object, an `Outline`.
     """
     mass, inertia, linear_drag, angular_drag = load
-    half_x, half_y, damping = size[0] / 2, size[1] / 2, gains[1]
+    half_x, half_y, damping = size[0] / 2, size[1] / 2, gains[DAMPING]
     c, s = cos(pose[2]), sin(pose[2])
     free = (-half_x, half_x, -half_y, half_y)
     vx, vy, omega = _wanted_twist(gains, pose, (c, s), goal, free, outline)
@@ -99,12 +102,12 @@ def wanted_twists(gains, pose, goal, outline, low, high):
 @inlined
 def _wanted_twist(gains, pose, axis, goal, free, outline):
     """The twist of one object; ``free`` are the edges (low x, high x, low y, high y) [m]."""
-    approach, _, speed, spin, margin, look_ahead = gains
+    approach, speed, spin = gains[APPROACH], gains[SPEED], gains[SPIN]
     turn = goal[2] - pose[2]
     if not -pi < turn <= pi:
         turn = wrapped(turn)
     low_x, high_x, low_y, high_y = _free_box(
-        margin, look_ahead, turn, pose, axis, goal, free, outline
+        gains[MARGIN], gains[LOOK_AHEAD], turn, pose, axis, goal, free, outline
     )
     free_x = min(max(pose[0], low_x), high_x) - pose[0]
     free_y = min(max(pose[1], low_y), high_y) - pose[1]

@@ -10,7 +10,17 @@ from coopenv.chance import Keys, fraction, mixed, polar_normal
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
 
-from ..controllers.guidance import Outline, object_wrench, triple
+from ..controllers.guidance import (
+    APPROACH,
+    DAMPING,
+    LOOK_AHEAD,
+    MARGIN,
+    SPEED,
+    SPIN,
+    Outline,
+    object_wrench,
+    triple,
+)
 from .traits import (
     AWAY_TURN,
     AWAY_X,
@@ -44,6 +54,38 @@ class Mind(NamedTuple):
     given: FloatArray  # (world, delay + 1, driven, 3) its last wrenches, object frame [N, N·m]
 
 
+class Seen(NamedTuple):
+    """What is seen of all worlds, world frame but for ``applied``."""
+
+    pose: FloatArray  # (world, 3) [m, rad]
+    twist: FloatArray  # (world, 3) [m/s, rad/s]
+    twist_before: FloatArray  # (world, 3) at the last step's begin
+    goal: FloatArray  # (world, 3) [m, rad]
+    applied: FloatArray  # (world, agent, 3) in the last step, object frame [N, N·m]
+
+
+class Carried(NamedTuple):
+    """The object of every world and its room; the first five as in `coopenv.conditions.Load`."""
+
+    mass: FloatArray
+    inertia: FloatArray
+    linear_drag: FloatArray
+    angular_drag: FloatArray
+    outline: FloatArray
+    reach: FloatArray  # (world,) [m] from the object's origin to its farthest vertex
+    room: FloatArray  # (world, 2) [m], inner width and height
+
+
+class Held(NamedTuple):
+    """The team of every world; the first three as in `coopenv.conditions.Team`."""
+
+    grips: FloatArray
+    frame: FloatArray
+    limits: FloatArray
+    allocation: FloatArray  # (world, agent, 3, 3), each agent's part of an object wrench
+    driven: IntArray  # (driven,) numbers of the agents that are driven
+
+
 @compiled
 def act(mind, seen, carried, team, dt):
     """Wrenches ``(world, driven, 3)`` [N, N·m], object frame; the player's mind moves on.
@@ -53,20 +95,8 @@ def act(mind, seen, carried, team, dt):
 
     Parameters
     ----------
-    mind
-        The fields of `Mind`.
-    seen
-        ``pose``, ``twist``, ``twist_before`` (at the last step's begin) and ``goal``,
-        ``(world, 3)`` each, world frame; ``applied`` ``(world, agent, 3)`` in the last step,
-        object frame [N, N·m].
-    carried
-        ``mass``, ``inertia``, ``linear_drag``, ``angular_drag`` and ``outline`` as in
-        `coopenv.conditions.Load`; ``reach`` ``(world,)`` [m] from the object's origin to its
-        farthest vertex; ``room`` ``(world, 2)`` [m], inner width and height.
-    team
-        ``grips``, ``frame`` and ``limits`` as in `coopenv.conditions.Team`; ``allocation``
-        ``(world, agent, 3, 3)``, each agent's part of an object wrench; ``driven`` ``(driven,)``,
-        numbers of the agents that are driven.
+    mind, seen, carried, team
+        The fields of `Mind`, `Seen`, `Carried` and `Held`, in their order.
     dt
         Control step [s].
     """
@@ -128,12 +158,12 @@ def _row(traits, k, n, step, draw, dt):
 @inlined
 def _gains(traits, k, n):
     return (
-        traits[k, n, GAINS],
-        traits[k, n, GAINS + 1],
-        traits[k, n, GAINS + 2],
-        traits[k, n, GAINS + 3],
-        traits[k, n, GAINS + 4],
-        traits[k, n, GAINS + 5],
+        traits[k, n, GAINS + APPROACH],
+        traits[k, n, GAINS + DAMPING],
+        traits[k, n, GAINS + SPEED],
+        traits[k, n, GAINS + SPIN],
+        traits[k, n, GAINS + MARGIN],
+        traits[k, n, GAINS + LOOK_AHEAD],
     )
 
 

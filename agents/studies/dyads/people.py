@@ -16,7 +16,7 @@ from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 
 from ...controllers.doorway import DoorwayController
-from ...controllers.guidance import Gains, gains_row
+from ...controllers.guidance import APPROACH, DAMPING, NUM_GAINS, SPEED, SPIN, Gains, gains_row
 from ...partners import traits
 from ...partners.person import Kind, Person
 
@@ -103,10 +103,10 @@ class Traits:
             force_noise=self.force_tremor[:, agent],
             torque_noise=self.torque_tremor[:, agent],
         )
-        count = len(gains_row(PACE))
-        rows[..., traits.GAINS : traits.GAINS + count] = gains_row(PACE)
-        for number, name in enumerate(("approach", "damping", "speed", "spin")):
-            rows[..., traits.GAINS + number] = getattr(self, name)[:, agent, None]
+        rows[..., traits.GAINS : traits.GAINS + NUM_GAINS] = gains_row(PACE)
+        own = {APPROACH: self.approach, DAMPING: self.damping, SPEED: self.speed, SPIN: self.spin}
+        for gain, value in own.items():
+            rows[..., traits.GAINS + gain] = value[:, agent, None]
         return Hands(rows=rows)
 
 
