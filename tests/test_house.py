@@ -49,7 +49,13 @@ def test_the_decomposition_needs_no_import_for_types_alone():
 
 
 def test_the_decomposition_knows_neither_simulator_nor_learning():
-    known = ("coopenv.arrays", "coopenv.compiled", "coopenv.errors", "coopenv.wrench")
+    known = (
+        "coopenv.arrays",
+        "coopenv.compiled",
+        "coopenv.errors",
+        "coopenv.geometry",
+        "coopenv.wrench",
+    )
     found = [
         f"{place(module, arrow)} {arrow.target}"
         for module in inside()

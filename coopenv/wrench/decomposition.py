@@ -16,7 +16,17 @@ from coopenv.wrench.grasp import (
     sum_at_centre,
     wrench_size,
 )
-from coopenv.wrench.measures import EnergyShare, LoadShare, level_kernel
+from coopenv.wrench.measures import (
+    APPLIED_COST,
+    COST,
+    FORCE_LEVEL,
+    RELATIVE_COST,
+    TORQUE_LEVEL,
+    WASTED_COST,
+    EnergyShare,
+    LoadShare,
+    level_kernel,
+)
 from coopenv.wrench.methods import METHODS
 from coopenv.wrench.settings import Settings
 
@@ -217,7 +227,7 @@ class Decomposition:
 
     @cached_property
     def _levels(self) -> FloatArray:
-        """All that `level_kernel` writes, ``(6, ...)`` with the batch axes reversed."""
+        """All that `level_kernel` writes, ``(NUM_LEVELS, ...)`` with the batch axes reversed."""
         decomposer = self._decomposer
         parameters = decomposer._level_parameters
         return level_kernel(self.applied, self.manipulation, decomposer.grips, parameters).T
@@ -225,12 +235,12 @@ class Decomposition:
     @property
     def cost(self) -> FloatArray:
         """J(h_M), ``(...)`` [N, torques per metre] (eq. 17)."""
-        return self._levels[0].T
+        return self._levels[COST].T
 
     @property
     def applied_cost(self) -> FloatArray:
         """J(h), ``(...)`` [N, torques per metre] (eq. 17)."""
-        return self._levels[1].T
+        return self._levels[APPLIED_COST].T
 
     @property
     def wasted_cost(self) -> FloatArray:
@@ -240,7 +250,7 @@ class Decomposition:
         is, but with a scale: next to nothing for idle hands, whose noise cancels as any fight does.
         Never negative for plausible methods.
         """
-        return self._levels[5].T
+        return self._levels[WASTED_COST].T
 
     @property
     def relative_cost(self) -> FloatArray:
@@ -249,7 +259,7 @@ class Decomposition:
         ``(...)`` in [0, 1] for plausible methods, 0 where no wrench was applied; others may leave
         the interval.
         """
-        return self._levels[2].T
+        return self._levels[RELATIVE_COST].T
 
     @property
     def internal_force_level(self) -> FloatArray:
@@ -257,7 +267,7 @@ class Decomposition:
 
         As the optimum need not be unique, it can jump where costs tie; γ cannot.
         """
-        return self._levels[3].T
+        return self._levels[FORCE_LEVEL].T
 
     @property
     def internal_torque_level(self) -> FloatArray:
@@ -265,7 +275,7 @@ class Decomposition:
 
         As the optimum need not be unique, it can jump where costs tie; γ cannot.
         """
-        return self._levels[4].T
+        return self._levels[TORQUE_LEVEL].T
 
     @cached_property
     def load_share(self) -> LoadShare:

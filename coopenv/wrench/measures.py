@@ -14,6 +14,16 @@ from coopenv.compiled import TINY, compiled, gufunc
 from coopenv.errors import InvalidInput
 from coopenv.wrench.grasp import checked_applied, checked_grips, wrench_size
 
+# Columns of what `level_kernel` writes
+COST, APPLIED_COST, RELATIVE_COST = 0, 1, 2  # J(h_M), J(h) [N], γ
+FORCE_LEVEL, TORQUE_LEVEL = 3, 4  # F_I [N], T_I [N·m]
+WASTED_COST = 5  # J(h) − J(h_M) [N]
+NUM_LEVELS = 6
+
+# Places of what kernels are told of the cost
+TORQUE_WEIGHT, INCLUDE_INDUCED = 0, 1  # w and s of eq. 17
+PLAUSIBLE = 2  # 1 if relative and wasted cost are known not to be negative
+
 UNDEFINED = 1e-9  # a resultant smaller than this fraction of its summands has no shares
 
 
@@ -121,8 +131,19 @@ def checked_twist(twist: npt.ArrayLike, applied: FloatArray, grips: FloatArray) 
 
 
 def level_parameters(torque_weight: float, include_induced: bool, plausible: bool) -> FloatArray:
-    """Return the weights as `level_kernel` takes them, padded to the length of its output."""
-    return np.array([torque_weight, float(include_induced), float(plausible), 0.0, 0.0, 0.0])
+    """Return what `level_kernel` is told; a gufunc has the length of its output from an input."""
+    parameters = np.zeros(NUM_LEVELS)
+    parameters[TORQUE_WEIGHT] = torque_weight
+    parameters[INCLUDE_INDUCED] = include_induced
+    parameters[PLAUSIBLE] = plausible
+    return parameters
+
+
+def cost_weights(torque_weight: float, include_induced: bool) -> FloatArray:
+    """Return w and s as the kernels of solvers take them, at `TORQUE_WEIGHT`, `INCLUDE_INDUCED`."""
+    weights = np.zeros(2)
+    weights[TORQUE_WEIGHT], weights[INCLUDE_INDUCED] = torque_weight, include_induced
+    return weights
 
 
 @compiled
@@ -162,12 +183,11 @@ def _cost(wrench, i, grips, w, induced):
     "void(float64[:,:], float64[:,:], float64[:,:], float64[:], float64[:])",
 )
 def level_kernel(applied, manipulation, grips, parameters, result):
-    """Write cost, applied, relative and wasted cost, internal force level, internal torque level.
+    """Write costs and internal levels (eqs. 17, 28, 29) to the columns from `COST` on.
 
-    The wasted cost comes last. ``parameters`` starts with the torque weight, 1 if induced torque
-    has a cost, and 1 if relative and wasted cost are known not to be negative.
+    ``parameters`` are those of `level_parameters`.
     """
-    w, induced = parameters[0], parameters[1]
+    w, induced = parameters[TORQUE_WEIGHT], parameters[INCLUDE_INDUCED]
     cost, applied_cost, force_level, torque_level = 0.0, 0.0, 0.0, 0.0
     for i in range(applied.shape[0]):
         applied_cost += _cost(applied, i, grips, w, induced)
@@ -180,11 +200,11 @@ def level_kernel(applied, manipulation, grips, parameters, result):
         torque_level += 0.5 * _norm(tx + aa - ma, ty + ab - mb, tz + ac - mc)
     wasted = applied_cost - cost
     relative = wasted / max(applied_cost, TINY)
-    plausible = parameters[2] > 0.0
-    result[0], result[1] = cost, applied_cost
-    result[2] = max(relative, 0.0) if plausible else relative
-    result[3], result[4] = force_level, torque_level
-    result[5] = max(wasted, 0.0) if plausible else wasted
+    plausible = parameters[PLAUSIBLE] > 0.0
+    result[COST], result[APPLIED_COST] = cost, applied_cost
+    result[RELATIVE_COST] = max(relative, 0.0) if plausible else relative
+    result[FORCE_LEVEL], result[TORQUE_LEVEL] = force_level, torque_level
+    result[WASTED_COST] = max(wasted, 0.0) if plausible else wasted
 
 
 @compiled

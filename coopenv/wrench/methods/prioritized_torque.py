@@ -18,6 +18,8 @@ from coopenv.errors import InvalidInput
 from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.pair import on_axis
 from coopenv.wrench.pair.lens import (
+    FIRST,
+    SECOND,
     heights_on_axis,
     heron_in_lens,
     in_frame,
@@ -59,10 +61,10 @@ def prepare(grips: FloatArray, settings: Settings) -> Prepared:
 
 @gufunc("(n,k),(a)->(n,k)", "void(float64[:,:], float64[:], float64[:,:])")
 def prioritize_torque(applied, axis, manipulation):
-    """Write the manipulation wrench of one sample; ``axis`` is direction and levers [m]."""
+    """Write the manipulation wrench of one sample; ``axis`` is what `on_axis.frame` says."""
     forces, torques, scale = in_frame(applied, axis)
     f1x, f1y, f2x, f2y = forces
-    a1, a2 = axis[2], axis[3]
+    a1, a2 = axis[FIRST], axis[SECOND]
     lever, torque = a1 - a2, torques[0] + torques[1]
     low, high = heights_on_axis(forces, torques, a1, a2)
     if lever == 0.0:  # the point mass answer: for f_o = 0 all of the force is internal

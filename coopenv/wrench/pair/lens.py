@@ -11,6 +11,12 @@ from math import sqrt
 import numpy as np
 
 from coopenv.compiled import TINY, compiled
+from coopenv.geometry.frames import rotated, rotated_back
+
+# Columns of a frame, ``axis``
+COS, SIN = 0, 1  # direction of the line
+FIRST, SECOND = 2, 3  # places of the grips along it [m]
+ON_LINE = 4  # columns in all where the line passes through the centre of mass
 
 TIE = 1e-12  # relative surcharge on pure torque: among equal costs the smallest Σ‖t_M‖ wins
 LEVEL = 1e-14  # a derivative across the lens this small is rounding
@@ -132,19 +138,17 @@ def remainder(torque, supplied):
 def in_frame(applied, axis):
     """Forces and torques in the frame of the line, the largest component as unit; and that unit.
 
-    ``axis`` starts with the direction of the line.
+    Of ``axis`` it reads `COS` and `SIN`.
     """
     scale = 0.0
     for i in range(2):
         for k in range(3):
             scale = max(scale, abs(applied[i, k]))
     shrink = 1.0 / max(scale, TINY)
-    c, s = axis[0], axis[1]
-    f1x = (c * applied[0, 0] + s * applied[0, 1]) * shrink
-    f1y = (c * applied[0, 1] - s * applied[0, 0]) * shrink
-    f2x = (c * applied[1, 0] + s * applied[1, 1]) * shrink
-    f2y = (c * applied[1, 1] - s * applied[1, 0]) * shrink
-    return (f1x, f1y, f2x, f2y), (applied[0, 2] * shrink, applied[1, 2] * shrink), scale
+    f1x, f1y = rotated_back(axis[COS], axis[SIN], applied[0, 0], applied[0, 1])
+    f2x, f2y = rotated_back(axis[COS], axis[SIN], applied[1, 0], applied[1, 1])
+    forces = (f1x * shrink, f1y * shrink, f2x * shrink, f2y * shrink)
+    return forces, (applied[0, 2] * shrink, applied[1, 2] * shrink), scale
 
 
 @compiled
@@ -162,9 +166,9 @@ def write(applied, axis, u, v, torques, torque, scale, manipulation):
 
     ``u``, ``v``, ``torques`` and T, ``torque``, are in the frame and unit of `in_frame`.
     """
-    c, s = axis[0], axis[1]
     t1, t2 = torques
-    gx, gy = (c * u - s * v) * scale, (s * u + c * v) * scale
+    gx, gy = rotated(axis[COS], axis[SIN], u, v)
+    gx, gy = gx * scale, gy * scale
     manipulation[0, 0] = applied[0, 0] - gx
     manipulation[0, 1] = applied[0, 1] - gy
     manipulation[1, 0] = applied[1, 0] + gx

@@ -18,13 +18,23 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.compiled import TINY, compiled, gufunc
+from coopenv.geometry.frames import rotated_back
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.cores import on_all_cores
-from coopenv.wrench.measures import level_kernel, level_parameters
+from coopenv.wrench.measures import (
+    APPLIED_COST,
+    INCLUDE_INDUCED,
+    TORQUE_WEIGHT,
+    cost_weights,
+    level_kernel,
+    level_parameters,
+)
 from coopenv.wrench.pair.bracketed_root import root_of
 from coopenv.wrench.pair.lens import (
+    FIRST,
     LEVEL,
     ROUNDING,
+    SECOND,
     TIE,
     chord,
     extent,
@@ -35,6 +45,8 @@ from coopenv.wrench.pair.lens import (
     write,
 )
 from coopenv.wrench.settings import Settings
+
+HEIGHT, DISTANCE = 4, 5  # columns of `frame` beside those of `lens`
 
 CLOSE = 1e-2  # of the longest lever: grips so near that the difference of levers loses digits
 WORTH_A_THREAD = 1000  # samples that occupy a core long enough for one to be started
@@ -52,9 +64,10 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
         Torque weight and whether induced torque is costed.
     """
     axis = frame(grips)
-    weights = np.array([settings.torque_weight, float(settings.include_induced)])
-    parameters = level_parameters(*weights, plausible=True)
-    worth = ROUNDING * np.abs(axis[..., 2:5]).max(axis=-1) / np.abs(axis[..., 4])
+    weights = cost_weights(settings.torque_weight, settings.include_induced)
+    parameters = level_parameters(settings.torque_weight, settings.include_induced, plausible=True)
+    reach = np.abs(axis[..., [FIRST, SECOND, HEIGHT]]).max(axis=-1)
+    worth = ROUNDING * reach / np.abs(axis[..., HEIGHT])
 
     def solve(applied: FloatArray) -> Answer:
         """Manipulation wrenches and gaps.
@@ -72,8 +85,8 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
             on_all_cores(solve_part, len(applied), WORTH_A_THREAD)
         else:
             manipulation = decompose_off_axis(applied, axis, weights)
-        applied_cost = level_kernel(applied, manipulation, grips, parameters)[..., 1]
-        return Answer(manipulation, worth * applied_cost)
+        levels = level_kernel(applied, manipulation, grips, parameters)
+        return Answer(manipulation, worth * levels[..., APPLIED_COST])
 
     return solve
 
@@ -83,17 +96,17 @@ def frame(grips: FloatArray) -> FloatArray:
 
     ``(..., 6)`` [1, 1, m, m, m, m], of grips ``(..., 2, 2)`` not on a line through the centre of
     mass. The height is that of the centre of mass from the line, the distance from grip to grip.
+    The columns are `COS`, `SIN`, `FIRST`, `SECOND`, `HEIGHT` and `DISTANCE`.
     """
     along = grips[..., 0, :] - grips[..., 1, :]
     apart = np.hypot(along[..., 0], along[..., 1])
     c, s = np.moveaxis(along / apart[..., None], -1, 0)
     x, y = grips[..., 0], grips[..., 1]
-    levers = c[..., None] * x + s[..., None] * y
-    height = c * y[..., 0] - s * x[..., 0]
+    levers, heights = rotated_back(c[..., None], s[..., None], x, y)
     a1, a2 = levers[..., 0], levers[..., 1]
     longest = np.hypot(x, y).max(axis=-1)
     distance = np.where(apart < CLOSE * longest, apart, a1 - a2)
-    return np.stack([c, s, a1, a2, height, distance], axis=-1)
+    return np.stack([c, s, a1, a2, heights[..., 0], distance], axis=-1)
 
 
 class Prices(NamedTuple):
@@ -252,9 +265,10 @@ def _induced(fx, fy, lever, height):
 def _case(forces, torques, axis, weights):
     """Forces, grips, torques and prices that the search needs."""
     f1x, f1y, f2x, f2y = forces
-    a1, a2, height, distance = axis[2], axis[3], axis[4], axis[5]
+    a1, a2, height, distance = axis[FIRST], axis[SECOND], axis[HEIGHT], axis[DISTANCE]
     torque1, torque2 = _induced(f1x, f1y, a1, height), _induced(f2x, f2y, a2, height)
-    w, induced = weights[0], weights[0] * weights[1]
+    w = weights[TORQUE_WEIGHT]
+    induced = w * weights[INCLUDE_INDUCED]
     sign1, sign2 = np.sign(torque1), np.sign(torque2)
     prices = Prices(
         1.0 - w,
@@ -284,7 +298,7 @@ def _best_v(case, torques):
 def decompose_off_axis(applied, axis, weights, manipulation):
     """Write the manipulation wrench of one sample.
 
-    ``axis`` is what `frame` says of the grips, ``weights`` are w and s.
+    ``axis`` is what `frame` says of the grips, ``weights`` are those of `cost_weights`.
     """
     forces, torques, scale = in_frame(applied, axis)
     case = _case(forces, torques, axis, weights)

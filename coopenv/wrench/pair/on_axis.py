@@ -23,9 +23,12 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import TINY, compiled, gufunc
 from coopenv.wrench.answer import Answer, Solve
+from coopenv.wrench.measures import INCLUDE_INDUCED, TORQUE_WEIGHT, cost_weights
 from coopenv.wrench.pair.bracketed_root import root_of
 from coopenv.wrench.pair.lens import (
+    FIRST,
     LEVEL,
+    SECOND,
     TIE,
     chord,
     heights_on_axis,
@@ -55,7 +58,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
         Torque weight and whether induced torque is costed.
     """
     axis = frame(grips)
-    weights = np.array([settings.torque_weight, float(settings.include_induced)])
+    weights = cost_weights(settings.torque_weight, settings.include_induced)
 
     def solve(applied: FloatArray) -> Answer:
         return Answer(decompose_on_axis(applied, axis, weights))
@@ -78,6 +81,8 @@ def applies(grips: FloatArray) -> BoolArray:
 
 def frame(grips: FloatArray) -> FloatArray:
     """Direction of the line (towards the farther grip) and both signed levers ``(..., 4)`` [m].
+
+    The columns are `COS`, `SIN`, `FIRST` and `SECOND` of `lens`.
 
     Grips that coincide but for rounding count as one place: their levers are the same.
     """
@@ -242,8 +247,9 @@ def _solve(forces, torques, a1, a2, w, induced):
 def decompose_on_axis(applied, axis, weights, manipulation):
     """Write the manipulation wrench of one sample.
 
-    ``axis`` is what `frame` says of the grips, ``weights`` are w and s.
+    ``axis`` is what `frame` says of the grips, ``weights`` are those of `cost_weights`.
     """
     forces, torques, scale = in_frame(applied, axis)
-    u, v, torque = _solve(forces, torques, axis[2], axis[3], weights[0], weights[1])
+    w, induced = weights[TORQUE_WEIGHT], weights[INCLUDE_INDUCED]
+    u, v, torque = _solve(forces, torques, axis[FIRST], axis[SECOND], w, induced)
     write(applied, axis, u, v, torques, torque, scale, manipulation)

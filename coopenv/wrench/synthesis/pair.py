@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.wrench.measures import load_share_kernel
+from coopenv.wrench.measures import cost_weights, load_share_kernel
+from coopenv.wrench.pair.lens import COS, FIRST, ON_LINE
 from coopenv.wrench.pair.on_axis import decompose_on_axis, frame
 from coopenv.wrench.synthesis.polynomials import product, real_roots
 from coopenv.wrench.synthesis.wish import Wish, internal_miss, into_frame, out_of_frame
@@ -55,7 +56,7 @@ def find(wish: Wish) -> FloatArray:
         wish.internal[..., 2],
         wish.force_share[:, 0],
         wish.torque_share[:, 0],
-        axis[:, 2:],
+        axis[:, FIRST:],
         (wish.settings.torque_weight, float(wish.settings.include_induced)),
     )
     answer = _search(wanted, thorough=False)
@@ -231,9 +232,9 @@ def _best(applied: FloatArray, internal: FloatArray, good: BoolArray, wish: Pair
     """Smallest candidate of each sample that decomposes as wanted, NaN where none does."""
     sample, candidate = np.nonzero(good)
     tried = applied[sample, candidate]
-    axis = np.zeros((len(tried), 4))
-    axis[:, 0], axis[:, 2:] = 1.0, wish.lever[sample]
-    found = tried - decompose_on_axis(tried, axis, np.array(wish.weights))
+    axis = np.zeros((len(tried), ON_LINE))
+    axis[:, COS], axis[:, FIRST:] = 1.0, wish.lever[sample]
+    found = tried - decompose_on_axis(tried, axis, cost_weights(*wish.weights))
     size = np.abs(tried).max(axis=(-1, -2))
     length = np.abs(wish.lever).max(axis=-1)[sample]
     size[internal_miss(found, internal[sample, 0], tried, length) > FOUND] = np.inf

@@ -11,6 +11,7 @@ and shares is decomposed, and what comes back as wanted is an answer.
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.wrench.measures import cost_weights
 from coopenv.wrench.pair.off_axis import decompose_off_axis, frame
 from coopenv.wrench.synthesis.points import PlanarWish, cross, keeping, points, torque_left
 from coopenv.wrench.synthesis.wish import Wish, internal_miss, into_frame, out_of_frame, share_miss
@@ -54,7 +55,7 @@ def _internal_miss(
     applied: FloatArray, axis: FloatArray, wish: Wish, sample: IntArray
 ) -> FloatArray:
     """By how much what is decomposed misses what is wanted, relative to what is applied."""
-    weights = np.array([wish.settings.torque_weight, float(wish.settings.include_induced)])
+    weights = cost_weights(wish.settings.torque_weight, wish.settings.include_induced)
     internal = applied - decompose_off_axis(applied, axis[sample], weights)
     length = np.hypot(wish.grips[..., 0], wish.grips[..., 1]).max(axis=-1)[sample]
     return internal_miss(internal, wish.internal[sample], applied, length)

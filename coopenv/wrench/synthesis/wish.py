@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.geometry.frames import rotated, rotated_back
 from coopenv.wrench.measures import load_share_kernel
+from coopenv.wrench.pair.lens import COS, SIN
 from coopenv.wrench.settings import Settings
 
 
@@ -57,13 +59,12 @@ def internal_miss(
 
 def into_frame(vectors: FloatArray, axis: FloatArray) -> FloatArray:
     """Planar vectors ``(..., 2)`` seen from a frame whose x axis has the direction ``axis``."""
-    c, s = axis[..., 0], axis[..., 1]
     x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x + s * y, c * y - s * x], axis=-1)
+    return np.stack(rotated_back(axis[..., COS], axis[..., SIN], x, y), axis=-1)
 
 
 def out_of_frame(wrenches: FloatArray, axis: FloatArray) -> FloatArray:
     """Planar wrenches ``(batch, n, 3)`` of such a frame, as seen from outside."""
-    c, s = axis[:, :1], axis[:, 1:2]
-    x, y = wrenches[..., 0], wrenches[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y, wrenches[..., 2]], axis=-1)
+    x, y, torque = np.moveaxis(wrenches, -1, 0)
+    x, y = rotated(axis[:, COS, None], axis[:, SIN, None], x, y)
+    return np.stack([x, y, torque], axis=-1)
