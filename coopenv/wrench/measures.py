@@ -139,7 +139,7 @@ def level_parameters(torque_weight: float, include_induced: bool, plausible: boo
     return parameters
 
 
-def cost_weights(torque_weight: float, include_induced: bool) -> FloatArray:
+def cost_weights(torque_weight: float, include_induced: float) -> FloatArray:
     """Return w and s as the kernels of solvers take them, at `TORQUE_WEIGHT`, `INCLUDE_INDUCED`."""
     weights = np.zeros(2)
     weights[TORQUE_WEIGHT], weights[INCLUDE_INDUCED] = torque_weight, include_induced

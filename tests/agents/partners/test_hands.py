@@ -39,6 +39,7 @@ def test_a_partner_gives_the_step_what_the_fields_say(monkeypatch):
     core.reset(seed=0)
     core.step(np.ones((2, 1, 3)))  # so that what was differs from what is
     before = core.transition
+    assert before is not None
     core.step(np.zeros((2, 1, 3)))
     mind, seen, carried, team, dt = given[-1]
     assert all(type(each) is tuple for each in given[-1][:4])
