@@ -121,10 +121,7 @@ class RangeReading:
             transition.next_state.pose,
             grips,
             team.frame,
-            room.size,
-            room.boxes,
-            room.axes,
-            room.count,
+            (room.size, room.boxes, room.axes, room.count),
             self.rays,
             self.reach,
         )
@@ -245,7 +242,7 @@ def _read_one(place, solids, rays, reach, out):
 
 
 @compiled
-def read_ranges(pose, grips, frame, size, boxes, axes, count, rays, reach):
+def read_ranges(pose, grips, frame, room, rays, reach):
     """Ways along rays to walls and obstacles, and the nearest point of one.
 
     Parameters
@@ -255,9 +252,9 @@ def read_ranges(pose, grips, frame, size, boxes, axes, count, rays, reach):
     grips, frame
         ``(world, agent, 2)``: where the rays start, object frame [m]; see
         `coopenv.geometry.frames`.
-    size, boxes, axes, count
-        ``(world, 2)``, ``(world, box, 5)``, ``(world, box, 2)``, ``(world,)``: see
-        `coopenv.conditions.Room`.
+    room
+        Size, boxes, axes and count, ``(world, 2)``, ``(world, box, 5)``, ``(world, box, 2)`` and
+        ``(world,)``: see `coopenv.conditions.Room`.
     rays
         ``(2, ray)``: x and y of unit vectors in the agent's frame.
     reach
@@ -269,6 +266,7 @@ def read_ranges(pose, grips, frame, size, boxes, axes, count, rays, reach):
     the nearest point of a wall or obstacle, agent frame, no longer than ``reach``, and its length.
     All are 0 from inside something solid. What is carried, and who carries it, hides nothing.
     """
+    size, boxes, axes, count = room
     num_worlds, num_agents = frame.shape[:2]
     seen = np.empty((num_worlds, num_agents, rays.shape[1] + NEAREST))
     for k in range(num_worlds):

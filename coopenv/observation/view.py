@@ -103,40 +103,39 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     team, share = transition.team, decomposition.load_share
     return _seen(
         _ends(team.num_agents),
-        state.pose,
-        state.twist,
-        state.goal,
+        (state.pose, state.twist, state.goal),
         transition.conditions.told,
         team.frame,
-        transition.applied,
-        decomposition.internal,
-        share.force,
-        share.torque,
+        (transition.applied, decomposition.internal),
+        (share.force, share.torque),
         decomposition.relative_cost,
     )
 
 
 @compiled
-def _seen(
-    begin, pose, twist, goal, told, frame, applied, internal, force_share, torque_share, cost
-):
+def _seen(begin, motion, told, frame, wrenches, shares, cost):
     """See `agent_view`.
 
     Parameters
     ----------
     begin
         Of each block in a row, and the row's width.
-    pose, twist, goal
-        ``(world, 3)``, world frame.
+    motion
+        Pose, twist and goal, ``(world, 3)`` each, world frame.
     told
         ``(world, agent, 2)``: whether an agent is told the goal's place and its angle.
     frame
         ``(world, agent, 2)``.
-    applied, internal
-        ``(world, agent, 3)``, object frame.
-    force_share, torque_share, cost
-        ``(world, agent)`` twice, ``(world,)``.
+    wrenches
+        Applied and internal, ``(world, agent, 3)`` each, object frame.
+    shares
+        Of force and torque, ``(world, agent)`` each.
+    cost
+        ``(world,)``.
     """
+    pose, twist, goal = motion
+    applied, internal = wrenches
+    force_share, torque_share = shares
     num_worlds, num_agents = frame.shape[:2]
     seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
     for k in range(num_worlds):

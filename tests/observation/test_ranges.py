@@ -183,10 +183,7 @@ def test_from_inside_a_box_or_a_wall_everything_reads_nothing(spot):
         np.array([[*spot, 0.3]]),
         np.zeros((1, 1, 2)),
         np.array([[[1.0, 0.0]]]),
-        room.size,
-        room.boxes,
-        room.axes,
-        room.count,
+        (room.size, room.boxes, room.axes, room.count),
         RangeReading(num_rays=2).rays,
         3.0,
     )
