@@ -55,11 +55,12 @@ class RewardSum(Mapping[str, Term]):
     def __call__(self, transition: Transition) -> tuple[FloatArray, dict[str, FloatArray]]:
         """Total ``(world, agent)`` and its parts by name."""
         parts = {name: term(transition) for name, term in self._terms.items()}
-        total = np.zeros(transition.applied.shape[:2])
+        shape = transition.applied.shape[:2]
+        total = np.zeros(shape)
         for name, part in parts.items():
-            if getattr(part, "shape", None) != total.shape:
+            if getattr(part, "shape", None) != shape:
                 raise InvalidInput(
-                    f"reward {name!r} must return an array (world, agent) = {total.shape}, got "
+                    f"reward {name!r} must return an array (world, agent) = {shape}, got "
                     f"shape {np.shape(part)}; transition.per_agent repeats one value a world"
                 )
             total += part

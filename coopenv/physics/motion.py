@@ -270,3 +270,13 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
         if abs(pose[k, 0]) > rooms[k, 2] or abs(pose[k, 1]) > rooms[k, 3]:
             lost = k
     return lost
+
+
+@compiled
+def collect_and_drive(
+    rows, table, rooms, report, expected, pose, twist, impulse, wrench, step, command
+):
+    """`collect` one substep and `drive` the next, in one call from Python."""
+    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse)
+    drive(rows, table, pose, twist, wrench, step, command, expected)
+    return lost

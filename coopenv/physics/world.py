@@ -132,17 +132,18 @@ class World:
         BodyLost
             If a body is too fast for its substeps and got through a wall.
         """
-        before = self.pose, self.twist
+        before = self.pose, self.twist, wrench
         self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
+        reached = self.pose, self.twist, self.contact_impulse
+        if len(self._shards) == 1:  # as below, without slicing, which one world would feel
+            self._shards[0].step(before, reached, self.substeps)
+            return
 
         def advance(number: int) -> None:
             part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)
-            pose, twist, held = before[0][part], before[1][part], wrench[part]
-            reached = self.pose[part], self.twist[part], self.contact_impulse[part]
-            for _ in range(self.substeps):
-                self._shards[number].step(pose, twist, held, reached)
-                pose, twist = reached[:2]
+            own = tuple(array[part] for array in before), tuple(array[part] for array in reached)
+            self._shards[number].step(*own, self.substeps)
 
         run = map if self._pool is None else self._pool.map
         for _ in run(advance, range(len(self._shards))):
@@ -202,21 +203,36 @@ class _Shard:
 
     def step(
         self,
-        pose: FloatArray,
-        twist: FloatArray,
-        wrench: FloatArray,
-        reached: tuple[FloatArray, FloatArray, FloatArray],
+        before: tuple[FloatArray, ...],
+        reached: tuple[FloatArray, ...],
+        substeps: int,
     ) -> None:
-        """One substep from ``pose`` and ``twist``; writes pose, twist, impulse into ``reached``."""
+        """Go on from pose and twist under a wrench; writes pose, twist and impulse."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        motion.drive(rows, table, pose, twist, wrench, substep, self._command, expected)
+        pose, wrench = reached[0], before[2]
+        motion.drive(rows, table, *before, substep, self._command, expected)
+        for _ in range(substeps - 1):
+            self._move()
+            lost = motion.collect_and_drive(
+                rows, table, self._rooms, self._report, expected, *reached,
+                wrench, substep, self._command,
+            )  # fmt: skip
+            self._check_held(lost, pose)
+        self._move()
+        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
+        self._check_held(lost, pose)
+
+    def _move(self) -> None:
+        """Let pymunk read the commands, step, and report."""
         batch.set_space_bodies(self.space, _COMMAND, self._commands)
-        self.space.step(substep)
+        self.space.step(self._substep)
         self._reports.clear()
         batch.get_space_bodies(self.space, _REPORT, self._reports)
-        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
+
+    def _check_held(self, lost: int, pose: FloatArray) -> None:
+        """Raise `BodyLost` for the world ``lost``, if it is one."""
         if lost >= 0:
-            x, y = reached[0][lost, :2]
+            x, y = pose[lost, :2]
             raise BodyLost(
                 f"the body must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond the walls; "
                 "use more substeps, a heavier body, more drag or weaker agents"
