@@ -1,7 +1,7 @@
 """Decomposition of applied wrenches into manipulation wrenches and internal wrenches."""
 
-from functools import cached_property
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,8 @@ from coopenv.wrench.measures import (
 )
 from coopenv.wrench.methods import METHODS
 from coopenv.wrench.settings import Settings
+
+Value = TypeVar("Value")
 
 
 def decompose(
@@ -133,6 +135,24 @@ class Decomposer:
         return Decomposition(applied, answer, self)
 
 
+class _once(Generic[Value]):  # noqa: N801  # a decorator
+    """A property that is computed when first asked for.
+
+    `functools.cached_property` takes a lock in Python 3.11 and before, which costs as much as
+    the measures of one world, and which all decompositions share.
+    """
+
+    def __init__(self, compute: Callable[[Any], Value]):
+        self._compute, self._name = compute, compute.__name__
+        self.__doc__ = compute.__doc__
+
+    def __get__(self, instance: Any, owner: type | None = None) -> Value:
+        if instance is None:
+            return self  # pyright: ignore[reportReturnType]  # as a property of the class
+        value = instance.__dict__[self._name] = self._compute(instance)
+        return value
+
+
 class Residuals(NamedTuple):
     """By how much a decomposition breaks its constraints, per sample ``(...)``; 0 is perfect."""
 
@@ -187,7 +207,7 @@ class Decomposition:
         """Name of the solver that answered; ``"closed_form"`` where none was needed."""
         return self._decomposer.solver
 
-    @cached_property
+    @_once
     def gap(self) -> FloatArray:
         """Bound ``(...)`` on how far the cost is from the optimum [N]; 0 for closed forms.
 
@@ -208,24 +228,24 @@ class Decomposition:
             return np.zeros(self.applied.shape[:-2])
         return np.minimum(gap, self.cost) if self.settings.method == "optimal" else gap
 
-    @cached_property
+    @_once
     def fell_back(self) -> BoolArray:
         """Where ``(...)`` ``"structured"`` could not certify its answer and took ``"conic"``'s."""
         fell_back = self._answer.fell_back
         shape = self.applied.shape[:-2]
         return np.zeros(shape, dtype=np.bool_) if fell_back is None else fell_back
 
-    @cached_property
+    @_once
     def internal(self) -> FloatArray:
         """h_I = h − h_M, of the shape of ``applied`` [N, N·m]."""
         return self.applied - self.manipulation
 
-    @cached_property
+    @_once
     def object_wrench(self) -> FloatArray:
         """h_o = G h, ``(..., 3)`` or ``(..., 6)`` [N, N·m] (eq. 1)."""
         return sum_at_centre(self.applied, self.grips)
 
-    @cached_property
+    @_once
     def _levels(self) -> FloatArray:
         """All that `level_kernel` writes, ``(NUM_LEVELS, ...)`` with the batch axes reversed."""
         decomposer = self._decomposer
@@ -277,7 +297,7 @@ class Decomposition:
         """
         return self._levels[TORQUE_LEVEL].T
 
-    @cached_property
+    @_once
     def load_share(self) -> LoadShare:
         """Each effector's share of the resultant; see `coopenv.wrench.load_share`."""
         return measures.share_of_load(self.applied, self._decomposer.grips)
