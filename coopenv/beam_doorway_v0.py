@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from coopenv.envs.registry import register_module
+from coopenv.envs.registry import register
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.physics.scene import Scene
 from coopenv.tasks import DoorwayTask
@@ -16,6 +16,6 @@ DEFAULTS: dict[str, Any] = {
     "horizon": 300,
 }
 
-parallel_env, env, single_env, vector_env = register_module(
-    __name__, "coopenv/BeamDoorway-v0", DEFAULTS
+parallel_env, env, single_env, vector_env = register(
+    "coopenv/BeamDoorway-v0", module=__name__, **DEFAULTS
 )

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from coopenv.envs.registry import register_module
+from coopenv.envs.registry import register
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.tasks import TrackingTask
 
@@ -15,6 +15,6 @@ DEFAULTS: dict[str, Any] = {
     "horizon": 220,
 }
 
-parallel_env, env, single_env, vector_env = register_module(
-    __name__, "coopenv/BeamTracking-v0", DEFAULTS
+parallel_env, env, single_env, vector_env = register(
+    "coopenv/BeamTracking-v0", module=__name__, **DEFAULTS
 )

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from coopenv.envs.registry import register_module
+from coopenv.envs.registry import register
 
 __all__ = ["env", "parallel_env", "single_env", "vector_env"]
 
 DEFAULTS: dict[str, Any] = {}
 
-parallel_env, env, single_env, vector_env = register_module(
-    __name__, "coopenv/BeamTransport-v0", DEFAULTS
+parallel_env, env, single_env, vector_env = register(
+    "coopenv/BeamTransport-v0", module=__name__, **DEFAULTS
 )

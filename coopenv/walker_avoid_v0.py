@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from coopenv.envs.registry import register_module
+from coopenv.envs.registry import register
 from coopenv.observation import DEFAULT_BLOCKS
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -21,6 +21,6 @@ DEFAULTS: dict[str, Any] = {
     "informed": (0,),  # the human knows where to go
 }
 
-parallel_env, env, single_env, vector_env = register_module(
-    __name__, "coopenv/WalkerAvoid-v0", DEFAULTS
+parallel_env, env, single_env, vector_env = register(
+    "coopenv/WalkerAvoid-v0", module=__name__, **DEFAULTS
 )

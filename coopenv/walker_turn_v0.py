@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from coopenv.envs.registry import register_module
+from coopenv.envs.registry import register
 from coopenv.physics.body import Body
 from coopenv.tasks.walker_turn import WalkerTurnTask
 
@@ -16,6 +16,6 @@ DEFAULTS: dict[str, Any] = {
     "horizon": 300,  # 15 s
 }
 
-parallel_env, env, single_env, vector_env = register_module(
-    __name__, "coopenv/WalkerTurn-v0", DEFAULTS
+parallel_env, env, single_env, vector_env = register(
+    "coopenv/WalkerTurn-v0", module=__name__, **DEFAULTS
 )

@@ -9,9 +9,10 @@ import numpy.typing as npt
 from gymnasium.spaces import Box
 
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.render.renderer import MODES, Renderer
 from coopenv.transport import Transport
 
-RENDER_MODES = ["human", "rgb_array"]
+RENDER_MODES = list(MODES)
 RESET_OPTIONS = ("pose", "goal")
 
 
@@ -83,8 +84,6 @@ class Pictures:
         if self._mode is None or transition is None:
             return None
         if world not in self._renderers:
-            from coopenv.render import Renderer
-
             self._renderers[world] = Renderer(
                 self._transport.bodies,
                 self._transport.scenes,

@@ -55,7 +55,7 @@ def views(name: str, defaults: Mapping[str, Any]) -> Views:
 _REGISTERED: dict[str, Views] = {}
 
 
-def register(id: str, **defaults: Any) -> Views:
+def register(id: str, *, module: str | None = None, **defaults: Any) -> Views:
     """Give an environment of your own a Gymnasium id, and all its views.
 
     Parameters
@@ -63,6 +63,11 @@ def register(id: str, **defaults: Any) -> Views:
     id
         For example ``"mine/Lift-v0"``. ``gymnasium.make("my_module:mine/Lift-v0")`` imports the
         module that registers it first.
+    module
+        ``__name__`` of the module that keeps the views under their own names, as this package's
+        modules of environments do: Gymnasium then finds them there, and PettingZoo's tools take
+        the module for an environment's. The defaults are tried out when a view is first made, so
+        that an import draws no episode.
     **defaults
         Fields of `coopenv.TransportConfig` in which it differs, a task above all. Keywords of a
         view override them.
@@ -86,30 +91,19 @@ def register(id: str, **defaults: Any) -> Views:
     """
     if not isinstance(id, str) or not id or ":" in id:
         raise InvalidInput(f"id must be a name without a colon, got {id!r}; see gymnasium.register")
-    TransportConfig.parse({}, defaults)
-    module = sys._getframe(1).f_globals.get("__name__", "__main__")
-    made = views(id.rpartition("/")[2], defaults)
-    return _entered(id, made, __name__, registered=f"{module}:{id}")
-
-
-def register_module(module: str, id: str, defaults: Mapping[str, Any]) -> Views:
-    """`register` for a module that holds the views of one id by their names.
-
-    Gymnasium then finds them there, and PettingZoo's tools take the module for an environment's.
-    The defaults are not tried out: every import of the module would draw episodes.
-    """
-    return _entered(id, views(module.rpartition(".")[2], defaults), module)
-
-
-def _entered(id: str, made: Views, module: str, **kwargs: str) -> Views:
-    """Enter the views of an id in the registries; ``module`` has Gymnasium's entry points."""
+    keywords = {}
+    if module is None:
+        TransportConfig.parse({}, defaults)
+        keywords["registered"] = f"{sys._getframe(1).f_globals.get('__name__', '__main__')}:{id}"
+    name = id.rpartition("/")[2] if module is None else module.rpartition(".")[2]
+    _REGISTERED[id] = made = views(name, defaults)
+    home = __name__ if module is None else module
     gymnasium.register(
         id=id,
-        entry_point=f"{module}:single_env",
-        vector_entry_point=f"{module}:vector_env",
-        kwargs=kwargs,
+        entry_point=f"{home}:single_env",
+        vector_entry_point=f"{home}:vector_env",
+        kwargs=keywords,
     )
-    _REGISTERED[id] = made
     return made
 
 

@@ -75,6 +75,29 @@ def test_every_view_starts_from_the_defaults_of_the_id_and_takes_keywords(regist
     assert gymnasium.make(name, render_mode="rgb_array").render_mode == "rgb_array"
 
 
+def test_a_module_that_keeps_the_views_is_where_gymnasium_finds_them(tmp_path, monkeypatch):
+    """As the modules of this package do, by the same function."""
+    (tmp_path / "plates_v0.py").write_text(
+        "import coopenv\n"
+        "parallel_env, env, single_env, vector_env = coopenv.register(\n"
+        '    "plates/Plates-v0", module=__name__, body=coopenv.Body.plate(3), horizon=9)\n'
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    made = gymnasium.make("plates_v0:plates/Plates-v0").unwrapped
+    plates = sys.modules.pop("plates_v0")
+    try:
+        spec = gymnasium.spec("plates/Plates-v0")
+        assert spec.entry_point == "plates_v0:single_env" and not spec.kwargs
+        for env in (made, plates.parallel_env().unwrapped, plates.vector_env(2)):
+            core = env.transport  # pyright: ignore[reportAttributeAccessIssue]
+            assert (core.num_agents, core.horizon) == (3, 9)
+        assert str(plates.parallel_env()) == "plates_v0"
+        beam = gymnasium.spec("coopenv/BeamTransport-v0")
+        assert beam.entry_point == "coopenv.beam_transport_v0:single_env" and not beam.kwargs
+    finally:
+        forget("plates/")
+
+
 def test_an_id_of_ones_own_comes_back_from_json(module):
     __import__(module)
     lift = sys.modules[module].Lift
