@@ -13,6 +13,7 @@ from coopenv.arrays import FloatArray
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import written
+from coopenv.observation.view import VIEW, WRENCH_UNIT
 from coopenv.transition import Transition
 
 from .settings import find_config
@@ -158,12 +159,10 @@ def feature_scale(venv: TransportVecEnv) -> list[float]:
     core = venv.transport
     force, torque = core.config.limits().max(axis=0)
     wrench = [1 / force, 1 / force, 1 / torque]
-    others = wrench * (core.num_agents - 1)
     known: dict[str, Iterable[float]] = {
-        "own_wrench": wrench,
-        "partner_wrench": others,
-        "own_internal": wrench,
-        "partner_internal": others,
+        block.name: block.spread(wrench, core.num_agents, "scale")
+        for block in VIEW
+        if block.unit == WRENCH_UNIT
     }
     usual = core.conditions.parameters()
     body = [1 / (np.abs(value).max() or 1.0) for value in usual.values() if value.ndim == 1]

@@ -1,5 +1,6 @@
 """Array types, rows of arrays, and checks of the numbers, ranges and arrays that users give."""
 
+from collections.abc import Sequence
 from math import inf, isfinite
 from typing import Any, TypeAlias, TypeVar
 
@@ -14,6 +15,7 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 Range: TypeAlias = tuple[float, float]  # lowest and highest; both may be the same
 
 Array = TypeVar("Array", bound=npt.NDArray[Any])
+Item = TypeVar("Item")
 
 
 def finite_array(value: Any, name: str) -> FloatArray:
@@ -113,6 +115,14 @@ def with_rows(array: Array, rows: IntArray, values: Any) -> Array:
     copy = array.copy()
     copy[rows] = values
     return copy
+
+
+def with_items(things: Sequence[Item], rows: IntArray, values: Sequence[Item]) -> tuple[Item, ...]:
+    """`with_rows` for a sequence of any objects: a tuple, in which some are others."""
+    changed = list(things)
+    for row, value in zip(rows.tolist(), values, strict=True):
+        changed[row] = value
+    return tuple(changed)
 
 
 def in_rows(array: FloatArray, batch: tuple[int, ...], core: int = 2) -> FloatArray:

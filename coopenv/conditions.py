@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
+from coopenv.arrays import BoolArray, FloatArray, IntArray, with_items, with_rows
 from coopenv.geometry import frames
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -178,16 +178,13 @@ class Conditions:
         plan: FloatArray,
     ) -> "Conditions":
         """A copy in which ``worlds`` hold new things, one entry of each argument a world."""
-        mine = list(self.bodies), list(self.scenes)
-        for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
-            mine[0][k], mine[1][k] = body, scene
         grips = np.array([body.grips for body in bodies])
         load = Load.of(bodies, self.load.outline.shape[1])
         room = Room.of(scenes, self.room.boxes.shape[1])
         return replace(
             self,
-            bodies=tuple(mine[0]),
-            scenes=tuple(mine[1]),
+            bodies=with_items(self.bodies, worlds, bodies),
+            scenes=with_items(self.scenes, worlds, scenes),
             team=self.team.with_worlds(worlds, grips, limits),
             load=_merged_rows(self.load, worlds, load),
             room=_merged_rows(self.room, worlds, room),

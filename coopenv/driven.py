@@ -1,6 +1,6 @@
 """The joint action: what learners give, and the part of agents that a partner drives."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -152,9 +152,8 @@ def read_action(
 
 def driven_agents(config: TransportConfig, num_worlds: int) -> DrivenAgents:
     """Agents in ``num_worlds`` worlds that the configuration's partner drives, if it has one."""
-    if not isinstance(config.partner, Partner):
-        return DrivenAgents()
-    return DrivenByPartner(config.partner, config, num_worlds)
+    partner = cast(Partner | None, config.partner)  # a name was read with the configuration
+    return DrivenAgents() if partner is None else DrivenByPartner(partner, config, num_worlds)
 
 
 def _evenly(numbers: IntArray) -> slice | IntArray:

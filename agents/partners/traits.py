@@ -9,11 +9,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array
+from coopenv.arrays import FloatArray, Range, finite_array, number_range
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 
-Span: TypeAlias = float | tuple[float, float]  # a number, or drawn between two in every episode
+Span: TypeAlias = float | Range  # a number, or drawn between two in every episode
 
 # Columns of a row
 ROLE = 0  # one of the roles below
@@ -58,9 +58,7 @@ def checked_span(value: Any, name: str, *, low: float = 0.0, high: float = np.in
             f"{name} must be a number from {low:g} to {high:g}, or two for a range, got {value!r}; "
             "change it"
         )
-    if ends.ndim and ends[0] > ends[1]:
-        raise InvalidInput(f"{name} must rise from low to high, got {value!r}; swap the two")
-    return (ends[0].item(), ends[1].item()) if ends.ndim else ends.item()
+    return number_range(value, name) if ends.ndim else ends.item()
 
 
 def highest(span: Span | Sequence[float]) -> float:

@@ -16,6 +16,8 @@ from coopenv.geometry.frames import rotated, rotated_back
 from coopenv.observation.block import Block, EachOther, side_by_side
 from coopenv.transition import Transition
 
+WRENCH_UNIT = "N, N, N·m"
+
 VIEW = (
     Block(
         name="goal",
@@ -36,28 +38,28 @@ VIEW = (
         name="own_wrench",
         size=3,
         describe="force and torque this agent applied",
-        unit="N, N, N·m",
+        unit=WRENCH_UNIT,
         frame="agent",
     ),
     Block(
         name="partner_wrench",
         size=EachOther(3),
         describe="force and torque each other agent applied",
-        unit="N, N, N·m",
+        unit=WRENCH_UNIT,
         frame="agent",
     ),
     Block(
         name="own_internal",
         size=3,
         describe="internal part of this agent's wrench",
-        unit="N, N, N·m",
+        unit=WRENCH_UNIT,
         frame="agent",
     ),
     Block(
         name="partner_internal",
         size=EachOther(3),
         describe="internal part of each other agent's wrench",
-        unit="N, N, N·m",
+        unit=WRENCH_UNIT,
         frame="agent",
     ),
     Block(

@@ -22,7 +22,7 @@ from numpy.polynomial.legendre import leggauss
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled, inlined
-from coopenv.geometry.frames import rotated
+from coopenv.geometry.frames import rotated, rotated_back
 
 _NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
 _FINE, _FINE_WEIGHTS = (1 + leggauss(64)[0]) / 2, leggauss(64)[1] / 2  # integrates the table
@@ -131,7 +131,7 @@ def advance(table, k, motion):
 @inlined
 def roll(table, k, motion):
     """`advance` for a body on wheels; of velocity and force only the parts along its x count."""
-    speed = np.cos(motion.angle) * motion.vx + np.sin(motion.angle) * motion.vy
+    speed, _ = rotated_back(np.cos(motion.angle), np.sin(motion.angle), motion.vx, motion.vy)
     dx, dy = 0.0, 0.0
     for i in range(3):
         at = _angle_at(table, k, i, motion)
@@ -255,12 +255,13 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
         c, s, rolling = 1.0, 0.0, 0.0
         if table[k, WHEELS]:  # where it heads is not as foreseen while pymunk parts what overlaps
             c, s = np.cos(at[2]), np.sin(at[2])
-            rolling = c * expected[k, 0] + s * expected[k, 1]
+            rolling, _ = rotated_back(c, s, expected[k, 0], expected[k, 1])
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
         if speed > rounding or abs(spin) > rounding:
             push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / table[k, REACH])
             if table[k, WHEELS]:
-                along, spin, factor = yielded(table, k, c * dx + s * dy, dx, dy, spin)
+                along, _ = rotated_back(c, s, dx, dy)
+                along, spin, factor = yielded(table, k, along, dx, dy, spin)
                 push *= factor
                 rolling += along
                 twist[k, 2] = expected[k, 2] + spin

@@ -6,13 +6,12 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
 import pymunk
 import pymunk.batch as batch
 
-from coopenv.arrays import FloatArray, IntArray
+from coopenv.arrays import FloatArray, IntArray, with_items
 from coopenv.errors import BodyLost
 from coopenv.physics import motion
 from coopenv.physics.body import Body
@@ -99,10 +98,8 @@ class World:
 
         Rooms keep their size. No body may reach farther than those the world was made with.
         """
-        self.bodies, self.scenes = (
-            _swapped(self.bodies, worlds, bodies),
-            _swapped(self.scenes, worlds, scenes),
-        )
+        self.bodies = with_items(self.bodies, worlds, bodies)
+        self.scenes = with_items(self.scenes, worlds, scenes)
         for number, shard in enumerate(self._shards):
             inside = np.flatnonzero(worlds // SHARD_SIZE == number).tolist()
             if inside:
@@ -278,13 +275,6 @@ def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
         np.array([body.nonholonomic for body in bodies]),
         np.array([body.reach for body in bodies]),
     )
-
-
-def _swapped(things: Sequence[Any], worlds: IntArray, others: Sequence[Any]) -> tuple[Any, ...]:
-    changed = list(things)
-    for k, other in zip(worlds.tolist(), others, strict=True):
-        changed[k] = other
-    return tuple(changed)
 
 
 def _buffer(num_bodies: int) -> tuple[FloatArray, batch.Buffer]:

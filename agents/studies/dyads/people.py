@@ -9,10 +9,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, finite_array, positive
+from coopenv.arrays import BoolArray, FloatArray, Range
 from coopenv.chance import Chance
 from coopenv.config import TransportConfig
-from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 
 from ...controllers.doorway import DoorwayController
@@ -20,7 +19,6 @@ from ...controllers.guidance import APPROACH, DAMPING, NUM_GAINS, SPEED, SPIN, G
 from ...partners import traits
 from ...partners.person import Kind, Person
 
-Span = tuple[float, float]
 PACE = Gains(approach=2.0, speed=0.7, spin=1.0)  # of the way; each person scales it by own gains
 
 
@@ -32,29 +30,22 @@ class People:
     one about 0. None was fitted to the human study, which does not report them.
     """
 
-    approach: Span = (1.4, 2.6)  # [1/s] wanted velocity per way left to the next point of the way
-    damping: Span = (2.5, 5.0)  # [1/s] impedance: acceleration per velocity that is missing
-    speed: Span = (0.5, 0.9)  # [m/s] at most
-    spin: Span = (0.7, 1.3)  # [rad/s] at most
-    delay: Span = (0.1, 0.2)  # [s] from what is seen to the hand, in whole control steps
-    strength: Span = (0.6, 1.4)  # preferred load: times half of the wrench that the plan needs
-    yielding: Span = (0.1, 0.5)  # [rad/s per N·m] of who is not told, to unexpected torque
-    force_tremor: Span = (0.2, 0.6)  # [N] of the hand, white, each component and control step
-    torque_tremor: Span = (0.02, 0.06)  # [N·m] likewise
+    approach: Range = (1.4, 2.6)  # [1/s] wanted velocity per way left to the next point of the way
+    damping: Range = (2.5, 5.0)  # [1/s] impedance: acceleration per velocity that is missing
+    speed: Range = (0.5, 0.9)  # [m/s] at most
+    spin: Range = (0.7, 1.3)  # [rad/s] at most
+    delay: Range = (0.1, 0.2)  # [s] from what is seen to the hand, in whole control steps
+    strength: Range = (0.6, 1.4)  # preferred load: times half of the wrench that the plan needs
+    yielding: Range = (0.1, 0.5)  # [rad/s per N·m] of who is not told, to unexpected torque
+    force_tremor: Range = (0.2, 0.6)  # [N] of the hand, white, each component and control step
+    torque_tremor: Range = (0.02, 0.06)  # [N·m] likewise
     place: float = 0.05  # [m] preferred place beside the goal, along x and y
     reading: float = 0.05  # [rad] how the angle that is told is misread
     habit: float = 0.4  # [rad] preferred turn from the start of who is not told
 
     def __post_init__(self) -> None:
         for entry in fields(self):
-            value = finite_array(getattr(self, entry.name), f"people.{entry.name}")
-            if value.shape == ():
-                positive(float(value), f"people.{entry.name}", or_zero=True)
-            elif value.shape != (2,) or not 0 <= value[0] <= value[1]:
-                raise InvalidInput(
-                    f"people.{entry.name} must be two numbers, not negative, the smaller first, "
-                    f"got {getattr(self, entry.name)}; change them"
-                )
+            traits.checked_span(getattr(self, entry.name), f"people.{entry.name}")
 
     def draw(self, seed: int, num_pairs: int) -> "Traits":
         """Two people a pair, each pair from a generator of its own."""

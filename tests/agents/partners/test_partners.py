@@ -355,7 +355,7 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
     ("make", "said"),
     [
         (lambda: Impedance(offset=-0.1), r"partner.offset must be a number from 0"),
-        (lambda: Impedance(offset=(0.5, 0.1)), r"partner.offset must rise from low to high"),
+        (lambda: Impedance(offset=(0.5, 0.1)), r"partner.offset must be \(low, high\)"),
         (lambda: Impedance(turn=4.0), r"partner.turn must be a number from 0 to 3.14"),
         (lambda: Leader(strength=0.0), r"partner.strength must be positive"),
         (lambda: Follower(heaviness=0.0), r"partner.heaviness must be a number from 0.05 to 1"),

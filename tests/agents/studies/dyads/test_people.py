@@ -128,8 +128,8 @@ def test_the_command_simulates_and_its_trials_can_be_analysed_again(tmp_path, ca
 @pytest.mark.parametrize(
     ("build", "said"),
     [
-        (lambda: People(speed=(0.9, 0.5)), r"people\.speed must be two numbers"),
-        (lambda: People(habit=-1.0), r"people\.habit must be zero or positive"),
+        (lambda: People(speed=(0.9, 0.5)), r"people\.speed must be \(low, high\)"),
+        (lambda: People(habit=-1.0), r"people\.habit must be a number from 0"),
         (lambda: DyadsConfig(dt=0.07), r"dt must divide 0\.6 s"),
         (lambda: DyadsConfig(pairs=0), r"pairs must be"),
     ],
