@@ -87,13 +87,15 @@ def test_a_module_that_keeps_the_views_is_where_gymnasium_finds_them(tmp_path, m
     plates = sys.modules.pop("plates_v0")
     try:
         spec = gymnasium.spec("plates/Plates-v0")
-        assert spec.entry_point == "plates_v0:single_env" and not spec.kwargs
+        assert spec.entry_point == "plates_v0:single_env"
+        assert not spec.kwargs
         for env in (made, plates.parallel_env().unwrapped, plates.vector_env(2)):
             core = env.transport  # pyright: ignore[reportAttributeAccessIssue]
             assert (core.num_agents, core.horizon) == (3, 9)
         assert str(plates.parallel_env()) == "plates_v0"
         beam = gymnasium.spec("coopenv/BeamTransport-v0")
-        assert beam.entry_point == "coopenv.beam_transport_v0:single_env" and not beam.kwargs
+        assert beam.entry_point == "coopenv.beam_transport_v0:single_env"
+        assert not beam.kwargs
     finally:
         forget("plates/")
 
