@@ -48,6 +48,29 @@ class Transition:
     )
     _own: list[Decomposition] = field(init=False, default_factory=list, repr=False)
 
+    @classmethod
+    def start(
+        cls, state: State, conditions: Conditions, *, action_size: int, dt: float, horizon: int
+    ) -> "Transition":
+        """The transition at the start of an episode, which led to nothing yet."""
+        count, num_agents = conditions.team.grips.shape[:2]
+        action = np.zeros((count, num_agents, action_size))
+        no = np.zeros(count, dtype=np.bool_)
+        return cls(
+            state=state,
+            next_state=state,
+            conditions=conditions,
+            action=action,
+            previous_action=action,
+            applied=np.zeros((count, num_agents, 3)),
+            contact_impulse=np.zeros(count),
+            success=no,
+            terminated=no,
+            truncated=no,
+            dt=dt,
+            horizon=horizon,
+        )
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_decompositions": {}, "_own": []}  # computed again when asked for
 

@@ -304,19 +304,10 @@ class Transport:
             distance=self._task.way(conditions.plan, pose, goal),
             time=np.zeros(count),
         )
-        action = np.zeros((count, self.num_agents, self.action_size))
-        no = np.zeros(count, dtype=np.bool_)
-        return Transition(
-            state=state,
-            next_state=state,
-            conditions=conditions,
-            action=action,
-            previous_action=action,
-            applied=np.zeros((count, self.num_agents, 3)),
-            contact_impulse=np.zeros(count),
-            success=no,
-            terminated=no,
-            truncated=no,
+        return Transition.start(
+            state,
+            conditions,
+            action_size=self.action_size,
             dt=self.dt,
             horizon=self.horizon,
         )

@@ -1,7 +1,7 @@
 """Decomposition of applied wrenches into manipulation wrenches and internal wrenches."""
 
 from collections.abc import Callable
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,6 @@ from coopenv.wrench import measures
 from coopenv.wrench.answer import Answer
 from coopenv.wrench.grasp import (
     checked_grips,
-    moment,
     require_wrench_per_grip,
     sum_at_centre,
     wrench_size,
@@ -28,6 +27,7 @@ from coopenv.wrench.measures import (
     level_kernel,
 )
 from coopenv.wrench.methods import METHODS
+from coopenv.wrench.residuals import Residuals, residuals_of
 from coopenv.wrench.settings import Settings
 
 Value = TypeVar("Value")
@@ -151,15 +151,6 @@ class _once(Generic[Value]):  # noqa: N801  # a decorator
             return self  # pyright: ignore[reportReturnType]  # as a property of the class
         value = instance.__dict__[self._name] = self._compute(instance)
         return value
-
-
-class Residuals(NamedTuple):
-    """By how much a decomposition breaks its constraints, per sample ``(...)``; 0 is perfect."""
-
-    balance: FloatArray  # largest component of |G h_M − G h| [N or N·m]
-    force: FloatArray  # largest excess of a force over its ball (19) [N]
-    induced_torque: FloatArray  # of an induced torque (20) [N·m]
-    torque: FloatArray  # of a pure torque (21) [N·m]
 
 
 class Decomposition:
@@ -308,25 +299,5 @@ class Decomposition:
         return measures.share_of_energy(self.applied, self.grips, twist)
 
     def residuals(self) -> Residuals:
-        """By how much the manipulation wrench breaks balance (18) and the balls (19)-(21).
-
-        The ball form is max(0, ‖x_M − x/2‖ − ‖x‖/2), the largest over the effectors. Methods that
-        are not plausible have large ones; the virtual linkage need not even balance.
-        """
-        dimension = self.grips.shape[-1]
-        balance = sum_at_centre(self.manipulation, self.grips) - self.object_wrench
-        parts = [
-            _ball_excess(part(self.manipulation), part(self.applied))
-            for part in (
-                lambda wrench: wrench[..., :dimension],
-                lambda wrench: moment(self.grips, wrench),
-                lambda wrench: wrench[..., dimension:],
-            )
-        ]
-        return Residuals(np.abs(balance).max(axis=-1), *parts)
-
-
-def _ball_excess(manipulation: FloatArray, applied: FloatArray) -> FloatArray:
-    distance = np.linalg.norm(manipulation - 0.5 * applied, axis=-1)
-    excess = distance - 0.5 * np.linalg.norm(applied, axis=-1)
-    return np.maximum(excess, 0.0).max(axis=-1)
+        """By how much the manipulation wrench breaks balance (18) and the balls (19)-(21)."""
+        return residuals_of(self.applied, self.manipulation, self.grips)
