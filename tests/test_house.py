@@ -34,7 +34,14 @@ def test_imports_go_in_no_circle():
 def test_only_a_description_and_its_partner_know_types_of_each_other():
     real = circles(with_types=False)
     found = [circle for circle in circles(with_types=True) if circle not in real]
-    assert found == [["coopenv.config", "coopenv.keywords", "coopenv.partner"]]
+    assert found == [
+        [
+            "coopenv.config",
+            "coopenv.config.environment",
+            "coopenv.config.keywords",
+            "coopenv.partner",
+        ]
+    ]
 
 
 def test_the_decomposition_needs_no_import_for_types_alone():

@@ -6,9 +6,8 @@ from typing import Any
 
 from gymnasium.envs.registration import EnvSpec, load_env_creator
 
-from coopenv.config import TransportConfig
+from coopenv.config import ALIASES, TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.keywords import ALIASES
 
 NAMES = (*ALIASES, *(entry.name for entry in fields(TransportConfig)))
 

@@ -8,8 +8,7 @@ from typing import Any, Self, cast
 import numpy as np
 
 from coopenv.arrays import FloatArray, positive, whole
-from coopenv.errors import InvalidInput, UnknownName
-from coopenv.keywords import (
+from coopenv.config.keywords import (
     built,
     complete,
     one_or_more,
@@ -19,6 +18,7 @@ from coopenv.keywords import (
     read_partner,
     read_task,
 )
+from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.partner import Partner
 from coopenv.physics.body import Body
