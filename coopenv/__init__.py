@@ -7,6 +7,7 @@ from importlib.metadata import version
 
 from coopenv import rewards, wrench
 from coopenv.config import TransportConfig
+from coopenv.config.kinds import Maker, add_kinds, dataclasses_of
 from coopenv.envs.registry import register
 from coopenv.observation import BLOCKS, Block
 from coopenv.observation.sensor import Sensor
@@ -79,4 +80,12 @@ def _find_partner(name: str) -> Partner:
     return find_partner(name)
 
 
+def _partner_kinds() -> dict[str, Maker]:
+    from coopenv.agents import controllers, partners
+
+    found = dataclasses_of("coopenv.agents.partners", partners.__all__, vars(partners))
+    return {**found, "coopenv.agents.controllers.Gains": controllers.Gains}
+
+
 name_partners(_find_partner)
+add_kinds("coopenv.agents", _partner_kinds)

@@ -5,7 +5,7 @@ weight lives in it. A `RewardSum` names the terms and reports each beside the to
 """
 
 from .presets import PRESETS, find_reward
-from .shaping import Potential, PotentialShaping, Progress
+from .shaping import Potential, PotentialShaping, Progress, closeness
 from .sums import RewardSum, Term, recompute
 from .terms import (
     ActionRate,
@@ -39,6 +39,7 @@ __all__ = [
     "TimeCost",
     "TrackingError",
     "WastedCost",
+    "closeness",
     "find_reward",
     "recompute",
 ]

@@ -8,6 +8,7 @@ from typing import Any, Self, cast
 import numpy as np
 
 from coopenv.arrays import FloatArray, positive, whole
+from coopenv.config.document import document_of, fields_in
 from coopenv.config.keywords import (
     built,
     complete,
@@ -18,6 +19,7 @@ from coopenv.config.keywords import (
     read_partner,
     read_task,
 )
+from coopenv.config.own_code import Trust
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.partner import Partner
@@ -130,6 +132,45 @@ class TransportConfig:
         ``horizon`` and override it.
         """
         return cls(**complete(keywords, defaults or {}, [entry.name for entry in fields(cls)]))
+
+    def to_json(self) -> str:
+        """All of it as JSON text, from which `from_json` makes an equal one.
+
+        The text is strict JSON, made for people, and always the same for the same configuration.
+        Every object says its kind by its public name, and all its fields, so that a default that
+        changes later changes nothing here. Functions and frozen dataclasses of your own are named
+        ``module:name`` with a hash of their source file.
+
+        Raises
+        ------
+        InvalidInput
+            If something could not be found again by its name (a lambda, what is defined in a
+            function or in the script that runs) or would not come back equal; the message names it.
+        """
+        return document_of({entry.name: getattr(self, entry.name) for entry in fields(self)})
+
+    @classmethod
+    def from_json(cls, text: str, *, trust: Trust = False) -> Self:
+        """The configuration that `to_json` wrote.
+
+        A field that is not there has its default.
+
+        Parameters
+        ----------
+        text
+            JSON.
+        trust
+            Whether code that is not of coopenv may be imported where the text names it: of these
+            modules (with what is in them), or ``True``: of any. Without it a text from elsewhere
+            runs nothing, whatever is imported already.
+
+        Raises
+        ------
+        InvalidInput, UnknownName
+            If the text is not JSON of this format, a kind, a field or a value is wrong, or code of
+            your own is not trusted, not there, or in a file that has changed since.
+        """
+        return cls(**fields_in(text, [entry.name for entry in fields(cls)], trust))
 
     @property
     def num_agents(self) -> int:

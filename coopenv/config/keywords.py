@@ -5,8 +5,9 @@ from dataclasses import fields, replace
 from typing import Any
 
 from coopenv.arrays import finite_array, whole
+from coopenv.config.json_form import revived
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import DEFAULT_BLOCKS, SENSING, Entry, find_blocks
+from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING, Entry, find_blocks
 from coopenv.observation.block import Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, named_partner
@@ -29,6 +30,7 @@ def complete(
     InvalidInput, UnknownName
         If a name is not known, or ``sensing`` comes beside ``observe``.
     """
+    keywords = {name: revived(value, name) for name, value in keywords.items()}
     _check_one_sight(keywords)
     values = _filled(keywords, defaults)
     if keywords.get("sensing") is not None:  # what is given overrides the other's default
@@ -75,14 +77,24 @@ def _described_task(value: Mapping[str, Any], kind: type[Task]) -> Task:
 def read_observe(sensing: str | None, observe: Any, task: Task) -> tuple[Entry, ...]:
     """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``.
 
-    Where a name is that of one of the task's own blocks, the block itself takes its place.
+    Where a name is that of one of the task's own blocks, the block itself takes its place; a block
+    that is one of `BLOCKS` becomes its name.
     """
     own = {block.name: block for block in task.blocks}
     if sensing is not None:
         observe = _sensed(sensing, observe, tuple(task.blocks))
     if own and isinstance(observe, Sequence) and not isinstance(observe, str):
         observe = tuple(_of_task(entry, own) for entry in observe)
-    return find_blocks(observe)
+    return tuple(_by_name(entry, own) for entry in find_blocks(observe))
+
+
+def _by_name(entry: Entry, own: Mapping[str, Block]) -> Any:
+    """The name of one of `BLOCKS`, or in that sensor, unless it is that of one of the ``own``."""
+    if isinstance(entry, Sensor):
+        return replace(entry, block=_by_name(entry.block, own))
+    if isinstance(entry, Block) and entry.name not in own and entry == BLOCKS.get(entry.name):
+        return entry.name
+    return entry
 
 
 def _sensed(sensing: Any, observe: Any, own: tuple[Block, ...]) -> tuple[Any, ...]:
