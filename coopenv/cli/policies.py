@@ -1,0 +1,39 @@
+"""Policies by their names on the command line, and what a table calls them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from coopenv.agents.policy import Policy
+
+
+def find_policy(name: str, config: TransportConfig) -> "Policy":
+    """The policy of that name for an environment: a kind of scripted one, or a trained file."""
+    from coopenv.agents.controllers import RandomPolicy, find_controller
+
+    kind, _, allocation = name.partition(":")
+    if kind == "scripted":
+        return find_controller(config, **({"method": allocation} if allocation else {}))
+    if name == "random":
+        return RandomPolicy(config)
+    if not Path(name).is_file():
+        raise InvalidInput(
+            f"policy must be random, scripted or the file of a trained policy, got {name!r}; "
+            "coopenv train writes such a file"
+        )
+    from coopenv.agents.sb3 import SB3Policy
+
+    return SB3Policy.load(name)
+
+
+def labels(names: Sequence[str]) -> list[str]:
+    """What to call policies in a table: the folder of a ``policy.zip``, else the name itself."""
+    short = [Path(name).parent.name if Path(name).name == "policy.zip" else name for name in names]
+    return [
+        label if label and short.count(label) == 1 else name
+        for label, name in zip(short, names, strict=True)
+    ]

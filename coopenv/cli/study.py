@@ -1,0 +1,16 @@
+"""``coopenv study``: the paper's simulations and human study."""
+
+from dataclasses import dataclass
+
+from coopenv.agents.studies.commands import Beam, Dyads, WalkerAvoid, WalkerTurn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Run a study of the paper and check its claims, or analyse recorded trials the same way."""
+
+    study: WalkerTurn | WalkerAvoid | Beam | Dyads
+
+    def run(self) -> None:
+        """Run it."""
+        self.study.run()

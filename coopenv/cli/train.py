@@ -1,0 +1,109 @@
+"""``coopenv train``: train PPO, compare, draw an episode."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from coopenv.agents.settings import TrainConfig
+from coopenv.config import TransportConfig
+from coopenv.errors import MissingExtra
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from coopenv.agents.curves import Row
+    from coopenv.agents.policy import Policy
+
+
+@dataclass(frozen=True, kw_only=True)
+class Train:
+    """Train PPO, then compare it with a random and the scripted policy on held-out episodes.
+
+    Writes policy, curves, table and a GIF of an episode. A run that was killed goes on from its
+    last checkpoint when the same command is given again.
+    """
+
+    training: TrainConfig = field(default_factory=TrainConfig)
+    episodes: int = 500
+    """Held-out episodes of the comparison."""
+    gif: bool = True
+    """Draw an episode of the trained policy."""
+
+    def run(self) -> None:
+        """Train, evaluate, draw."""
+        from rich.console import Console
+
+        from coopenv.agents.controllers import RandomPolicy, find_controller
+        from coopenv.agents.evaluate import compare, save, table
+        from coopenv.agents.train import train
+
+        out, config = self.training.out, self.training.environment.config()
+        console = Console()
+        if (out / "checkpoint.zip").exists() and not self.training.fresh:
+            console.print(f"going on from the checkpoint in {out}", markup=False)
+        with _training_progress(self.training.steps, console) as report:
+            trained = train(self.training, report=report)
+        with console.status(f"evaluating on {self.episodes} held-out episodes"):
+            policies: dict[str, Policy] = {
+                "trained PPO": trained,
+                "random": RandomPolicy(config),
+                "scripted": find_controller(config),
+            }
+            seen = compare(policies, config, episodes=self.episodes)
+        for name in ("table.json", "table.csv"):
+            save(seen, out / name)
+        console.print(table(seen, f"{self.training.environment.env}, {self.episodes} episodes"))
+        pictures = ["curves.png"]
+        if self.gif:
+            pictures += _draw_episode(trained, config, out / "episode.gif", console)
+        console.print(
+            f"in {out}: policy.zip, config.json, table.csv, {', '.join(pictures)}", markup=False
+        )
+
+
+@contextmanager
+def _training_progress(steps: int, console: "Console") -> "Iterator[Callable[[Row], None]]":
+    """A progress bar over control steps with the newest success rate and γ beside it."""
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    bar = Progress(
+        TextColumn("training"),
+        BarColumn(),
+        TextColumn("{task.completed:>9,.0f} of {task.total:,.0f} steps"),
+        TextColumn("success {task.fields[success]}  γ {task.fields[relative_cost]}"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=console,
+    )
+    with bar:
+        task = bar.add_task("", total=steps, success="-", relative_cost="-")
+
+        def report(row: "Row") -> None:
+            bar.update(task, completed=min(row["steps"], steps))
+            for name in {"success", "relative_cost"} & set(row):
+                bar.tasks[task].fields[name] = f"{row[name]:.2f}"
+
+        yield report
+
+
+def _draw_episode(
+    policy: "Policy", config: TransportConfig, path: Path, console: "Console"
+) -> list[str]:
+    """Write the GIF, or say why there is none; what was written."""
+    from coopenv.agents.record import record_episode
+
+    try:
+        with console.status("drawing an episode"):
+            record_episode(policy, config, path)
+    except MissingExtra as error:
+        console.print(f"no GIF: {error}", markup=False)
+        return []
+    return [path.name]
