@@ -4,11 +4,9 @@ python -m benchmarks.methods            # prints the table
 python -m benchmarks.methods --write    # and writes docs/decomposition.md
 """
 
-import sys
-
 import numpy as np
 
-from benchmarks.pages import DOCS, fill, filled, markdown
+from benchmarks.pages import DOCS, filled, markdown, show
 from coopenv import wrench
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
@@ -93,9 +91,7 @@ def page() -> str:
 
 def main() -> None:
     """Print the table; with ``--write`` also put it on the page."""
-    print(as_markdown())
-    if "--write" in sys.argv[1:]:
-        fill(PAGE, {"table": as_markdown()})
+    show(PAGE, {"table": as_markdown()})
 
 
 if __name__ == "__main__":

@@ -4,11 +4,9 @@ python -m benchmarks.observations            # prints the table
 python -m benchmarks.observations --write    # and writes docs/observations.md
 """
 
-import sys
-
 import numpy as np
 
-from benchmarks.pages import DOCS, fill, filled, markdown
+from benchmarks.pages import DOCS, filled, markdown, show
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
 from coopenv.observation.block import Block, EachOther
 from coopenv.tasks import TASKS
@@ -73,9 +71,7 @@ def page() -> str:
 
 def main() -> None:
     """Print the table; with ``--write`` also put it on the page."""
-    print(as_markdown())
-    if "--write" in sys.argv[1:]:
-        fill(PAGE, {"table": as_markdown()})
+    show(PAGE, {"table": as_markdown()})
 
 
 if __name__ == "__main__":

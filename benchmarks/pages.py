@@ -3,6 +3,7 @@
 A table stands between two marks of its name, ``<!-- name -->``, each on a line of its own.
 """
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -25,6 +26,13 @@ def filled(page: Path, tables: Mapping[str, str]) -> str:
         head, _, tail = text.split(mark)
         text = "".join((head, mark, table.rstrip("\n"), "\n", mark, tail))
     return text
+
+
+def show(page: Path, tables: Mapping[str, str]) -> None:
+    """Print the tables; with ``--write`` also put them on the page."""
+    print("\n\n".join(tables.values()))
+    if "--write" in sys.argv[1:]:
+        fill(page, tables)
 
 
 def fill(page: Path, tables: Mapping[str, str]) -> None:

@@ -4,9 +4,7 @@ python -m benchmarks.recordings            # prints them
 python -m benchmarks.recordings --write    # and puts them on the page
 """
 
-import sys
-
-from benchmarks.pages import DOCS, fill, filled, markdown
+from benchmarks.pages import DOCS, filled, markdown, show
 from coopenv.logs.analysis import RESULTS
 from coopenv.logs.columns import INPUT
 from coopenv.logs.layout import UNITS
@@ -31,9 +29,7 @@ def page() -> str:
 
 def main() -> None:
     """Print the tables; with ``--write`` also put them on the page."""
-    print("\n\n".join(tables().values()))
-    if "--write" in sys.argv[1:]:
-        fill(PAGE, tables())
+    show(PAGE, tables())
 
 
 if __name__ == "__main__":

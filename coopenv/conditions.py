@@ -108,7 +108,7 @@ class Room:
         boxes = np.zeros((len(scenes), capacity, 5))
         for k, scene in enumerate(scenes):
             for j, box in enumerate(scene.obstacles):
-                boxes[k, j] = *box.center, *box.size, box.angle
+                boxes[k, j] = box.row
         return cls(
             size=np.array([scene.size for scene in scenes]),
             boxes=boxes,

@@ -9,7 +9,7 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array
 from coopenv.compiled import compiled
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.geometry.frames import rotated_back
+from coopenv.geometry.frames import action_of
 from coopenv.info import Info
 from coopenv.partner import Generators, Partner
 from coopenv.transition import Transition
@@ -186,10 +186,12 @@ def _joint(action, wrench, learners, driven, frame, limits):
                 joint[k, i, j] = action[k, number, j]
         for number, i in enumerate(driven):
             x, y, torque = wrench[k, number, 0], wrench[k, number, 1], wrench[k, number, 2]
-            along, across = rotated_back(frame[k, i, 0], frame[k, i, 1], x, y)
-            joint[k, i, 0], joint[k, i, 1] = along / limits[k, i, 0], across / limits[k, i, 0]
+            along, across, turning = action_of(
+                frame[k, i, 0], frame[k, i, 1], limits[k, i, 0], limits[k, i, 1], x, y, torque
+            )
+            joint[k, i, 0], joint[k, i, 1] = along, across
             if width == 3:
-                joint[k, i, 2] = torque / limits[k, i, 1]
+                joint[k, i, 2] = turning
             finite = finite and np.isfinite(x + y + torque)
     return joint, finite
 

@@ -88,7 +88,7 @@ class Transport:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
-        self._driven = driven_agents(self.config, self.num_worlds)
+        self.driven = driven_agents(self.config, self.num_worlds)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         self._task, self._has_moving_goal = self.config.task, self.config.task.moves
@@ -179,17 +179,17 @@ class Transport:
             drawn_pose if pose is None else pose[worlds],
             drawn_goal if goal is None else goal[worlds],
         )
-        obs = self._driven.of_learners(self.observation(start, worlds))
+        obs = self.driven.of_learners(self.observation(start, worlds))
         info = start_info(start, tuple(self.reward))
-        self._driven.begin(worlds, self.generators, start)
-        info["reward_terms"] = self._driven.terms_of_learners(info["reward_terms"])
+        self.driven.begin(worlds, self.generators, start)
+        info["reward_terms"] = self.driven.terms_of_learners(info["reward_terms"])
         if self.transition is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:
             self.transition = self.transition.with_worlds(worlds, start, self.conditions)
             obs = with_rows(self._obs, worlds, obs)
             info = with_worlds({name: self._info[name] for name in info}, worlds, info)
-        info.update(self._driven.info(self.transition))
+        info.update(self.driven.info(self.transition))
         self._obs, self._info = obs, info
         return obs.copy(), copied(info)
 
@@ -247,7 +247,7 @@ class Transport:
             dt=self.dt,
             horizon=self.horizon,
         )
-        driven = self._driven
+        driven = self.driven
         reward, parts = self.reward(transition)
         reward = driven.of_learners(reward)
         self._obs = driven.of_learners(self.observation(transition))
@@ -273,7 +273,7 @@ class Transport:
     ) -> tuple[FloatArray, FloatArray]:
         """Clipped actions of all agents, and the wrenches in the object frame they stand for."""
         shape = self.num_worlds, len(self.learners), self.action_size
-        joint = self._driven.joint(read_action(action, shape, restart), before, restart)
+        joint = self.driven.joint(read_action(action, shape, restart), before, restart)
         return frames.wrenches_from_actions(joint, self.team.frame, self.team.limits)
 
     def _state(self, goal: FloatArray, time: FloatArray) -> State:

@@ -86,9 +86,8 @@ class InternalTorque:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         internal = _decomposition(transition, self.settings).internal
-        grips = transition.team.grips
-        torque = grips[..., 0] * internal[..., 1] - grips[..., 1] * internal[..., 0]
-        return -self.weight * np.abs(torque + internal[..., 2])
+        torque = moment(transition.team.grips, internal)[..., 0] + internal[..., 2]
+        return -self.weight * np.abs(torque)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,6 +19,7 @@ from tests.sources import (
 
 MOST_FILES = 17  # in a folder, its face included; modules of environments are not counted
 COMPILERS = {"cfunc", "generated_jit", "guvectorize", "jit", "njit", "vectorize"}
+PYTHONS_OWN = {"_asdict", "_fields", "_getframe", "_replace"}  # public though their names are not
 LINKED = ("coopenv.agents", "coopenv.rewards")
 
 
@@ -128,6 +129,19 @@ def test_private_names_stay_in_their_folder(top):
         for module in modules()
         if module.split(".")[0] == top
         for taken in private_names(module)
+    ]
+    assert not found, lines(found)
+
+
+def test_objects_are_asked_for_public_names_only():
+    """But for numba's cache, which has no public door."""
+    found = [
+        f"{place(module, node)} {ast.unparse(node)}"
+        for module in modules()
+        if not module.startswith(("tests", "coopenv.compiled"))
+        for node in ast.walk(syntax(module))
+        if isinstance(node, ast.Attribute) and is_private(node.attr)
+        if ast.unparse(node.value) not in ("self", "cls") and node.attr not in PYTHONS_OWN
     ]
     assert not found, lines(found)
 

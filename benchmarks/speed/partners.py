@@ -73,7 +73,7 @@ def _joint_actions(core: Transport, steps: int) -> FloatArray:
 
 def _own_work(core: Transport) -> float:
     """Seconds of a step that the partner takes for itself, asked again and again."""
-    driven, last = core._driven, core.transition
+    driven, last = core.driven, core.transition
     assert last is not None
     action = np.zeros((core.num_worlds, len(core.learners), 3))
     began = time.perf_counter()

@@ -83,7 +83,7 @@ def measures() -> list[Row]:
     """Costs, levels and load shares, without the decomposition itself."""
     rows = []
     decomposer = wrench.Decomposer(BEAM)
-    parameters = decomposer._level_parameters
+    parameters = decomposer.level_parameters
     grips = decomposer.grips
     for size in BATCHES:
         applied = draw(size, 2, 3)

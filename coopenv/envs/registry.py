@@ -79,7 +79,8 @@ def register(id: str, *, module: str | None = None, **defaults: Any) -> Views:
     Raises
     ------
     InvalidInput, UnknownName
-        If the defaults do not make a configuration.
+        If ``id`` or ``module`` is no name, or, without ``module``, the defaults do not make a
+        configuration; with it, they raise where a view is made.
 
     Examples
     --------
@@ -91,6 +92,8 @@ def register(id: str, *, module: str | None = None, **defaults: Any) -> Views:
     """
     if not isinstance(id, str) or not id or ":" in id:
         raise InvalidInput(f"id must be a name without a colon, got {id!r}; see gymnasium.register")
+    if module is not None and not isinstance(module, str):
+        raise InvalidInput(f"module must be the name of a module, got {module!r}; pass __name__")
     keywords = {}
     if module is None:
         TransportConfig.parse({}, defaults)

@@ -59,10 +59,11 @@ def ways_to_walls(outline, pose, size):
 @compiled
 def _way_to_box(outline, pose, box, way):
     """Fill one row of `ways_to_boxes`; works in the box's own frame."""
-    half_x, half_y = box[2] / 2, box[3] / 2
-    c, s = np.cos(pose[2] - box[4]), np.sin(pose[2] - box[4])
-    turn_c, turn_s = np.cos(box[4]), np.sin(box[4])
-    center_x, center_y = seen_from(box[0], box[1], turn_c, turn_s, pose[0], pose[1])
+    box_x, box_y, width, height, angle = box
+    half_x, half_y = width / 2, height / 2
+    c, s = np.cos(pose[2] - angle), np.sin(pose[2] - angle)
+    turn_c, turn_s = np.cos(angle), np.sin(angle)
+    center_x, center_y = seen_from(box_x, box_y, turn_c, turn_s, pose[0], pose[1])
     count = len(outline)
     corners = np.empty((count, 2))
     for i in range(count):
@@ -91,7 +92,7 @@ def _way_to_box(outline, pose, box, way):
     x, y = (to_x - from_x) / max(length, 1e-300), (to_y - from_y) / max(length, 1e-300)
     way[0] = best
     way[1], way[2] = rotated(turn_c, turn_s, x, y)
-    way[3], way[4] = placed(box[0], box[1], turn_c, turn_s, to_x, to_y)
+    way[3], way[4] = placed(box_x, box_y, turn_c, turn_s, to_x, to_y)
 
 
 @compiled

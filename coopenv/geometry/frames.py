@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray
-from coopenv.compiled import anywhere, compiled
+from coopenv.compiled import anywhere, compiled, inlined
 
 Angle = TypeVar("Angle", float, FloatArray)
 
@@ -113,6 +113,14 @@ def wrenches_from_actions(action, frame, limit):
     return clipped, applied
 
 
+@inlined
+def action_of(c, s, force_limit, torque_limit, x, y, torque):
+    """The action that stands for a wrench of the object frame, unclipped; no torque needs none."""
+    along, across = rotated_back(c, s, x, y)
+    turning = 0.0 if torque == 0.0 else torque / torque_limit
+    return along / force_limit, across / force_limit, turning
+
+
 @compiled
 def actions_from_wrenches(applied, frame, limit, width):
     """The inverse of `wrenches_from_actions`, unclipped; ``width`` 2 leaves the torque out."""
@@ -120,12 +128,13 @@ def actions_from_wrenches(applied, frame, limit, width):
     action = np.empty((num_worlds, num_agents, width))
     for k in range(num_worlds):
         for i in range(num_agents):
-            c, s = frame[k, i, 0], frame[k, i, 1]
-            x, y = rotated_back(c, s, applied[k, i, 0], applied[k, i, 1])
-            action[k, i, 0], action[k, i, 1] = x / limit[k, i, 0], y / limit[k, i, 0]
+            x, y, torque = action_of(
+                frame[k, i, 0], frame[k, i, 1], limit[k, i, 0], limit[k, i, 1],
+                applied[k, i, 0], applied[k, i, 1], applied[k, i, 2],
+            )  # fmt: skip
+            action[k, i, 0], action[k, i, 1] = x, y
             if width == 3:
-                torque = applied[k, i, 2]
-                action[k, i, 2] = 0.0 if torque == 0.0 else torque / limit[k, i, 1]
+                action[k, i, 2] = torque
     return action
 
 

@@ -53,11 +53,12 @@ def _corners(boxes, radius, size, out):
     """Write the widened corners that lie in the room; returns how many."""
     used = 0
     for box in boxes:
-        c, s = np.cos(box[4]), np.sin(box[4])
+        box_x, box_y, width, height, angle = box
+        c, s = np.cos(angle), np.sin(angle)
         for corner in range(4):
-            a = (box[2] / 2 + radius + _BESIDE) * (1 - 2 * (corner % 2))
-            b = (box[3] / 2 + radius + _BESIDE) * (1 - 2 * (corner // 2))
-            x, y = placed(box[0], box[1], c, s, a, b)
+            a = (width / 2 + radius + _BESIDE) * (1 - 2 * (corner % 2))
+            b = (height / 2 + radius + _BESIDE) * (1 - 2 * (corner // 2))
+            x, y = placed(box_x, box_y, c, s, a, b)
             if abs(x) <= size[0] / 2 - radius and abs(y) <= size[1] / 2 - radius:
                 out[used, 0], out[used, 1] = x, y
                 used += 1
@@ -107,14 +108,14 @@ def _direction(start, end):
 def _is_open(start, end, boxes, slack):
     """Whether a straight leg crosses no box widened by its slack (clipping against its sides)."""
     for j in range(len(boxes)):
-        box = boxes[j]
-        c, s = np.cos(box[4]), np.sin(box[4])
-        begin = seen_from(box[0], box[1], c, s, start[0], start[1])
+        box_x, box_y, width, height, angle = boxes[j]
+        c, s, sides = np.cos(angle), np.sin(angle), (width, height)
+        begin = seen_from(box_x, box_y, c, s, start[0], start[1])
         leg = rotated_back(c, s, end[0] - start[0], end[1] - start[1])
         low, high = 0.0, 1.0
         for axis in range(2):
             at, step = begin[axis], leg[axis]
-            half = box[2 + axis] / 2 + slack[j]
+            half = sides[axis] / 2 + slack[j]
             if step == 0.0:
                 if abs(at) >= half:
                     high = -1.0
@@ -129,6 +130,6 @@ def _is_open(start, end, boxes, slack):
 @compiled
 def _outside(point, box):
     """How far a point is beyond a box's sides, the larger of the two ways [m]; negative inside."""
-    c, s = np.cos(box[4]), np.sin(box[4])
-    x, y = seen_from(box[0], box[1], c, s, point[0], point[1])
-    return max(abs(x) - box[2] / 2, abs(y) - box[3] / 2)
+    box_x, box_y, width, height, angle = box
+    x, y = seen_from(box_x, box_y, np.cos(angle), np.sin(angle), point[0], point[1])
+    return max(abs(x) - width / 2, abs(y) - height / 2)

@@ -248,7 +248,8 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
     lost = -1
     for k in range(len(rows)):
         at = report[rows[k]]
-        pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - rooms[k, 0], at[1] - rooms[k, 1], at[2]
+        origin_x, origin_y, farthest_x, farthest_y = rooms[k]
+        pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin_x, at[1] - origin_y, at[2]
         dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
         speed = np.sqrt(dx * dx + dy * dy)
         rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
@@ -268,16 +269,19 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
             impulse[k] += push
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
-        if abs(pose[k, 0]) > rooms[k, 2] or abs(pose[k, 1]) > rooms[k, 3]:
+        if abs(pose[k, 0]) > farthest_x or abs(pose[k, 1]) > farthest_y:
             lost = k
     return lost
 
 
 @compiled
-def collect_and_drive(
-    rows, table, rooms, report, expected, pose, twist, impulse, wrench, step, command
-):
-    """`collect` one substep and `drive` the next, in one call from Python."""
+def collect_and_drive(rows, table, rooms, buffers, expected, reached, wrench, step):
+    """`collect` one substep and `drive` the next, in one call from Python.
+
+    ``buffers`` are report and command, ``reached`` pose, twist and impulse; the rest as there.
+    """
+    report, command = buffers
+    pose, twist, impulse = reached
     lost = collect(rows, table, rooms, report, expected, pose, twist, impulse)
     drive(rows, table, pose, twist, wrench, step, command, expected)
     return lost

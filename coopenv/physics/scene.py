@@ -28,6 +28,11 @@ class Box:
         object.__setattr__(self, "angle", number(self.angle, "obstacle.angle"))
 
     @property
+    def row(self) -> tuple[float, float, float, float, float]:
+        """Centre x, y, width, height [m] and angle [rad], as kernels have boxes."""
+        return (*self.center, *self.size, self.angle)
+
+    @property
     def vertices(self) -> FloatArray:
         """Corners ``(4, 2)`` [m], world frame, counter-clockwise."""
         half = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * np.array(self.size) / 2

@@ -206,14 +206,13 @@ class _Shard:
     ) -> None:
         """Go on from pose and twist under a wrench; writes pose, twist and impulse."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        pose, wrench = reached[0], before[2]
+        pose, wrench, buffers = reached[0], before[2], (self._report, self._command)
         motion.drive(rows, table, *before, substep, self._command, expected)
         for _ in range(substeps - 1):
             self._move()
             lost = motion.collect_and_drive(
-                rows, table, self._rooms, self._report, expected, *reached,
-                wrench, substep, self._command,
-            )  # fmt: skip
+                rows, table, self._rooms, buffers, expected, reached, wrench, substep
+            )
             self._check_held(lost, pose)
         self._move()
         lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)

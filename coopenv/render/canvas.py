@@ -1,4 +1,4 @@
-"""Antialiased drawing on NumPy pictures, and a window. THE ONLY FILE THAT IMPORTS PYGAME.
+"""Antialiased drawing on NumPy pictures, and a window; no other file imports pygame.
 
 Knows pixels (x right, y down) and colours; what is drawn with them is `coopenv.render`'s matter.
 Only the window initialises a display.

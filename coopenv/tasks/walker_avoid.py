@@ -121,7 +121,7 @@ class WalkerAvoidTask(RollingTask):
             turned = angle[:, None] + self.veer * (2 * draws[:, 6:] - 1)
             for k in np.flatnonzero((np.abs(goal) <= free).all(axis=1)).tolist():
                 boxes = self._boxes(generator, first[k], scene)
-                rows = [n for box in boxes for n in (*box.center, *box.size, box.angle)]
+                rows = [number for box in boxes for number in box.row]
                 episode = Episode(
                     start=_pose(place[k], turned[k, 0]),
                     goal=_pose(goal[k], turned[k, 1]),

@@ -97,7 +97,7 @@ class Decomposer:
         If the grips have a wrong shape or number or do not go with method or solver.
     """
 
-    __slots__ = ("_core_shape", "_level_parameters", "_solve", "grips", "settings", "solver")
+    __slots__ = ("_core_shape", "_solve", "grips", "level_parameters", "settings", "solver")
 
     def __init__(self, grips: npt.ArrayLike, settings: Settings | None = None):
         settings = Settings() if settings is None else settings
@@ -106,7 +106,7 @@ class Decomposer:
         self.settings = settings
         self._core_shape = (self.grips.shape[-2], wrench_size(self.grips.shape[-1]))
         self.solver, self._solve = METHODS[settings.method](self.grips, settings)
-        self._level_parameters = measures.level_parameters(
+        self.level_parameters = measures.level_parameters(
             settings.torque_weight, settings.include_induced, settings.plausible
         )
 
@@ -240,7 +240,7 @@ class Decomposition:
     def _levels(self) -> FloatArray:
         """All that `level_kernel` writes, ``(NUM_LEVELS, ...)`` with the batch axes reversed."""
         decomposer = self._decomposer
-        parameters = decomposer._level_parameters
+        parameters = decomposer.level_parameters
         return level_kernel(self.applied, self.manipulation, decomposer.grips, parameters).T
 
     @property

@@ -100,6 +100,12 @@ def test_a_module_that_keeps_the_views_is_where_gymnasium_finds_them(tmp_path, m
         forget("plates/")
 
 
+def test_a_module_that_is_no_name_is_refused():
+    with pytest.raises(InvalidInput, match="module must be the name of a module"):
+        coopenv.register("here/Nothing-v0", module=3)  # pyright: ignore[reportArgumentType]
+    assert "here/Nothing-v0" not in gymnasium.registry
+
+
 def test_an_id_of_ones_own_comes_back_from_json(module):
     __import__(module)
     lift = sys.modules[module].Lift

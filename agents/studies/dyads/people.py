@@ -13,6 +13,7 @@ from coopenv.arrays import BoolArray, FloatArray, Range
 from coopenv.chance import Chance
 from coopenv.config import TransportConfig
 from coopenv.transition import Transition
+from coopenv.wrench.grasp import moment
 
 from ...controllers.doorway import DoorwayController
 from ...controllers.guidance import APPROACH, DAMPING, NUM_GAINS, SPEED, SPIN, Gains, gains_row
@@ -166,8 +167,8 @@ class Pairs:
         return np.concatenate(wrenches, axis=1)
 
     def _give_in(self, transition: Transition) -> None:
-        grips, applied = transition.team.grips, transition.applied
-        torque = grips[..., 0] * applied[..., 1] - grips[..., 1] * applied[..., 0]
+        applied = transition.applied
+        torque = moment(transition.team.grips, applied)[..., 0]
         torque = torque + applied[..., 2]  # (world, agent) at the centre of mass [N·m]
         surprise = (torque[:, ::-1] - torque) / 2
         turn = self._dt * self._people.yielding * surprise

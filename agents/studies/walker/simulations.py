@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from coopenv.arrays import FloatArray, positive, whole
+from coopenv.arrays import FloatArray, positive, positive_range, whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry import frames
@@ -81,11 +81,10 @@ class RollingPlan:
     def __post_init__(self) -> None:
         positive(self.length, "plan.length", unit="m")
         positive(self.duration, "plan.duration", unit="s")
-        begin, end = self.turning
-        if not 0 <= begin < end <= 1:
+        begin, end = positive_range(self.turning, "plan.turning", or_zero=True, at_most=1.0)
+        if begin == end:
             raise InvalidInput(
-                f"plan.turning must be two parts of the time in order, got {self.turning}; "
-                "pass for example (0.3, 0.7)"
+                f"plan.turning must last, got {self.turning}; pass for example (0.3, 0.7)"
             )
 
     def rolled(self, time: FloatArray) -> FloatArray:

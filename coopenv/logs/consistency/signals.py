@@ -7,9 +7,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import FloatArray
+from coopenv.geometry.frames import wrapped
 from coopenv.logs.consistency.windows import integral, mean_of_neighbours, window_means
 from coopenv.logs.convert import rotations, to_object
 from coopenv.logs.recording import Recording
+from coopenv.wrench.grasp import moment
 
 FRAMES = ("object", "world")
 MOST_SWAPPED = 4  # effectors of which every pair is tried in exchanged places
@@ -59,8 +61,7 @@ class Signals:
         declared = rotations(orientation, good)
         self._rotation = rotations(orientation * angle, good) if plane else declared
         if plane:
-            turned = np.diff(orientation * angle)[:, None]
-            turned -= 2 * np.pi * np.round(turned / (2 * np.pi))
+            turned = wrapped(np.diff(orientation * angle)[:, None])
         else:
             rotation = Rotation.from_matrix(declared)
             turned = (rotation[1:] * rotation[:-1].inv()).as_rotvec()
@@ -96,7 +97,7 @@ class Signals:
             for pair in [(0, 0), *combinations(range(self.num_swapped), 2)]:
                 order = np.arange(segment.num_effectors)
                 order[list(pair)] = order[list(pair[::-1])]
-                lever = _cross(grips[:, order], forces[frame]).sum(axis=1)
+                lever = moment(grips[:, order], forces[frame]).sum(axis=1)
                 made[f"lever {frame} {pair}"] = self._angular_impulse(lever)
         for name, momentum in self._spins().items():
             made[name] = self._change(momentum)
@@ -110,9 +111,9 @@ class Signals:
             return {}
         segment, d = self._segment, self._dimension
         force, torque = segment.applied[..., :d], segment.applied[..., d:]
-        moment = (_cross(segment.grips, force) + torque).sum(axis=1)
+        total = (moment(segment.grips, force) + torque).sum(axis=1)
         power = (mean_of_neighbours(force.sum(axis=1)) * velocity).sum(axis=-1, keepdims=True)
-        power += (mean_of_neighbours(moment) * spin).sum(axis=-1, keepdims=True)
+        power += (mean_of_neighbours(total) * spin).sum(axis=-1, keepdims=True)
         square = (velocity * velocity).sum(axis=-1, keepdims=True)
         made = {
             "work": self._impulse(power),
@@ -211,10 +212,3 @@ class Signals:
 
 def _to_world(vectors: FloatArray, rotation: FloatArray) -> FloatArray:
     return to_object(vectors, rotation.swapaxes(-1, -2))
-
-
-def _cross(levers: FloatArray, forces: FloatArray) -> FloatArray:
-    """R × f ``(T, n, 1 or 3)``."""
-    if forces.shape[-1] == 3:
-        return np.cross(levers, forces)
-    return (levers[..., :1] * forces[..., 1:]) - (levers[..., 1:] * forces[..., :1])

@@ -215,7 +215,7 @@ def test_a_lagging_partner_does_what_was_right_some_steps_ago():
     prompt: Any = config.partner.player(config, 4, (1,))  # pyright: ignore
     assert late.transition is not None
     prompt.reset(np.arange(4), [np.random.default_rng(0)] * 4, late.transition)
-    prompt._mind.traits[:] = late._driven.player._mind.traits  # pyright: ignore
+    prompt._mind.traits[:] = late.driven.player._mind.traits  # pyright: ignore
     prompt._mind.traits[..., DELAY] = 0
     given, right = [], []
     for _ in range(12):
