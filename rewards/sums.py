@@ -48,7 +48,7 @@ class RewardSum(Mapping[str, Term]):
             if not isinstance(name, str) or not callable(term):
                 raise InvalidInput(
                     f"reward must map names to callable terms, got {name!r}: {term!r}; "
-                    "build it from coopenv.rewards, or name a preset (only presets survive JSON)"
+                    "build it from coopenv.rewards, or name a preset"
                 )
         self._terms = dict(terms)
 

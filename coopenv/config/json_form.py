@@ -194,6 +194,23 @@ def _made(maker: Callable[..., Any], given: Mapping[str, Any], part: str) -> Any
         ) from error
 
 
+def shown(value: Any, part: str) -> Any:
+    """A keyword's value as JSON has it, for `revived`; what has code from elsewhere stays as it is.
+
+    Mappings and sequences are the forms in which users, too, give objects.
+    """
+    if isinstance(value, Mapping) and not isinstance(value, RewardSum):
+        return {name: shown(item, f"{part}.{name}") for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [shown(item, part) for item in value]
+    try:
+        found = written(value, part)
+        read(found, part, trust=False)
+        return found
+    except CoopenvError:
+        return value
+
+
 def revived(value: Any, part: str) -> Any:
     """A keyword's value, in which JSON may have left objects of this package that say their kind.
 

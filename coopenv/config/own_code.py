@@ -35,7 +35,7 @@ def written_name(thing: Any, part: str) -> dict[str, str]:
             "of a module of your own, a .py file that is imported: not in the script that runs, "
             "not in a function, not as a lambda"
         )
-    return {"name": f"{module}:{name}", "sha256": _hash(path)}
+    return {"name": f"{module}:{name}", "sha256": read_hash(path)}
 
 
 def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
@@ -58,7 +58,7 @@ def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
             f"{part} must be code that is there, got {name!r}, but there is no source file of "
             f"{module!r}; put its folder on PYTHONPATH"
         )
-    now = _hash(path)
+    now = read_hash(path)
     if digest != now:
         raise InvalidInput(
             f"{part} must be the code that was written, but {path} has changed since: sha256 "
@@ -80,6 +80,11 @@ def frozen(kind: Any, part: str) -> type:
             "@dataclass(frozen=True) and keep all that it depends on in its fields"
         )
     return kind
+
+
+def read_hash(path: str | Path) -> str:
+    """SHA-256 of a source file; how its lines end makes no difference."""
+    return sha256(Path(path).read_bytes().replace(b"\r\n", b"\n")).hexdigest()
 
 
 def _is_trusted(module: str, trust: Trust) -> bool:
@@ -116,7 +121,3 @@ def _source(module: str) -> Path | None:
         return None
     path = Path(origin or "")
     return path if path.suffix == ".py" and path.is_file() else None
-
-
-def _hash(path: Path) -> str:
-    return sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()

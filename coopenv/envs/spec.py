@@ -1,12 +1,13 @@
 """Gymnasium specifications that come back from JSON as they were, or say that they cannot."""
 
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 from gymnasium.envs.registration import EnvSpec, load_env_creator
 
 from coopenv.config import ALIASES, TransportConfig
+from coopenv.config.json_form import shown
 from coopenv.errors import InvalidInput
 
 NAMES = (*ALIASES, *(entry.name for entry in fields(TransportConfig)))
@@ -23,7 +24,8 @@ class TransportSpec(EnvSpec):
         InvalidInput
             If another configuration, or none, would be read from it.
         """
-        text = super().to_json()
+        kwargs = {name: shown(value, name) for name, value in self.kwargs.items()}
+        text = EnvSpec.to_json(replace(self, kwargs=kwargs))
         wanted, read = _config(self, self.kwargs), _config(self, json.loads(text)["kwargs"])
         for name in (entry.name for entry in fields(TransportConfig)):
             mine, other = getattr(wanted, name), getattr(read, name)

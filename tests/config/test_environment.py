@@ -12,6 +12,7 @@ from gymnasium.envs.registration import EnvSpec
 import coopenv
 from coopenv import (
     BLOCKS,
+    Block,
     Body,
     Box,
     DoorwayTask,
@@ -23,6 +24,7 @@ from coopenv import (
     WalkerAvoidTask,
     rewards,
 )
+from coopenv.agents.partners import Follower, Noisy
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, ranges
@@ -209,7 +211,12 @@ def test_senses_can_be_replaced():
 
 
 JSON = {
-    **{name: values for name, values in OPTIONS.items() if name not in ("one term", "own sum")},
+    **OPTIONS,
+    "sum": {"reward": rewards.RewardSum({"time": rewards.TimeCost()})},
+    "mapping": {"reward": {"progress": rewards.Progress(), "time": rewards.TimeCost(weight=1)}},
+    "a block with a reading": {"observe": ("goal", BLOCKS["time"])},
+    "a sensor on one": {"observe": ("goal", coopenv.Sensor(BLOCKS["time"], noise=0.1))},
+    "a partner": {"partner": Noisy(partner=Follower(heaviness=0.3)), "partner_agents": (0,)},
     "task": {"task": TransportTask(clearance=0.2)},
     "room": {"scene": OPEN_ROOM},
     "many bodies": {"body": (Body(mass=2.0),), "scene": (CLUTTERED,)},
@@ -252,16 +259,24 @@ def test_a_vector_environment_comes_back_from_json_as_it_was(name):
     np.testing.assert_array_equal(again.reset(seed=3)[0], made.reset(seed=3)[0])
 
 
+def by_the_wall(transition):
+    """A block's numbers, all alike."""
+    return np.zeros((*transition.applied.shape[:2], 1))
+
+
 @pytest.mark.parametrize("name", IDS)
 @pytest.mark.parametrize(
     "keywords",
     [
-        {"reward": rewards.RewardSum({"time": rewards.TimeCost()})},
-        {"reward": {"time": rewards.TimeCost()}},
-        {"reward": {"progress": rewards.Progress()}},
-        {"reward": rewards.TimeCost()},
-        {"observe": ("goal", BLOCKS["time"])},
-        {"observe": ("goal", coopenv.Sensor(BLOCKS["time"], noise=0.1))},
+        {"reward": rewards.RewardSum({"time": lambda transition: transition.per_agent(0, 1)})},
+        {"reward": {"progress": rewards.Progress(potential=lambda state: -state.distance)}},
+        {"observe": ("goal", Block(name="wall", size=1, describe="", read=by_the_wall))},
+        {
+            "observe": (
+                "goal",
+                coopenv.Sensor(dataclasses.replace(BLOCKS["time"], name="mine"), noise=0.1),
+            )
+        },
     ],
 )
 def test_what_json_cannot_hold_raises_rather_than_coming_back_different(name, keywords):
