@@ -35,7 +35,7 @@ def fitted(value: Any, leaves: Leaves, part: str) -> Any:
     InvalidInput
         If it is of no annotated type; ``part`` names it.
     """
-    if isinstance(value, np.bool_ | np.integer):
+    if isinstance(value, np.bool_ | np.integer | np.str_):
         value = value.item()
     if isinstance(value, list | tuple):
         fits = not leaves.isdisjoint((tuple, Sequence))

@@ -32,7 +32,7 @@ def written(value: Any, part: str) -> Any:
     """
     if value is None or type(value) in (bool, int, str):
         return value
-    if isinstance(value, np.bool_ | np.integer):
+    if isinstance(value, np.bool_ | np.integer | np.str_):
         return value.item()
     if isinstance(value, float) and not np.isnan(value):
         number = float(value)

@@ -17,6 +17,8 @@ from coopenv.errors import InvalidInput
 Trust: TypeAlias = bool | Collection[str]
 """Whether JSON may name code that is not of this package: all, none, or that of these modules."""
 
+_SCRIPTS = ("__main__", "__mp_main__")  # whatever script runs, and in processes it spawned
+
 
 def written_name(thing: Any, part: str) -> dict[str, str]:
     """``name`` and ``sha256`` of a function or class; ``part`` is for the error.
@@ -29,7 +31,7 @@ def written_name(thing: Any, part: str) -> dict[str, str]:
     module, name = getattr(thing, "__module__", None), getattr(thing, "__qualname__", None)
     found = _inside(sys.modules.get(module or ""), name or "")
     path = _source(module or "")
-    if module == "__main__" or found is not thing or path is None:
+    if module in _SCRIPTS or found is not thing or path is None:
         raise InvalidInput(
             f"{part} must be something that a file can name, got {thing!r}; define it at the top "
             "of a module of your own, a .py file that is imported: not in the script that runs, "

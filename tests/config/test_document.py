@@ -158,7 +158,7 @@ def test_equal_configurations_have_one_text():
     ways: tuple[Any, ...] = (
         (1, ("obstacles", "time"), 9),
         (1.0, (ranges(), BLOCKS["time"]), np.int64(9)),
-        (np.float64(1), ("obstacles", BLOCKS["time"]), 9.0),
+        (np.float64(1), (np.str_("obstacles"), BLOCKS["time"]), 9.0),
     )
     texts = set()
     for weight, observe, horizon in ways:

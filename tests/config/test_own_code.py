@@ -278,13 +278,13 @@ def local():
     return Local()
 
 
-def of_the_script():
+def of_the_script(name="__main__"):
     """A term as it is where its file is run."""
 
     def made(transition):
         return term(transition)
 
-    made.__module__, made.__qualname__ = "__main__", "made"
+    made.__module__, made.__qualname__ = name, "made"
     return made
 
 
@@ -294,6 +294,7 @@ def of_the_script():
         ("reward", lambda transition: term(transition), "not as a lambda"),
         ("reward", closure(), "not in a function"),
         ("reward", of_the_script(), "not in the script that runs"),
+        ("reward", of_the_script("__mp_main__"), "not in the script that runs"),
         ("reward", functools.partial(term), "reward.partial must be something that a file"),
         ("reward", Holds(1).method, "reward.method must be something"),
         ("reward", Mutable(), "reward.Mutable must be a frozen dataclass"),

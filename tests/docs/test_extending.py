@@ -49,6 +49,8 @@ def test_every_block_of_the_page_runs(names):
     assert names["venv"].num_envs == 32
     assert names["again"].unwrapped.transport.config.task == names["parking"].Parking()
     assert np.ptp(names["info"]["body"]["mass"]) > 1
+    assert names["heavy"].unwrapped.transport.config.body.mass == 12
+    assert '"kind": "parking:Parking"' in names["text"]
 
 
 def test_a_task_of_ones_own_passes_the_checkers_of_every_view(names):
