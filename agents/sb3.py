@@ -146,8 +146,11 @@ class FallingRate:
     start: float
 
     def __call__(self, remaining: float) -> float:
-        """Rate when the fraction ``remaining`` of the training is left."""
-        return self.start * remaining
+        """Rate when the fraction ``remaining`` of the training is left.
+
+        The last rollout may end beyond the training, where the fraction is negative.
+        """
+        return self.start * max(remaining, 0.0)
 
 
 def feature_scale(venv: TransportVecEnv) -> list[float]:

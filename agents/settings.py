@@ -74,7 +74,8 @@ class TrainConfig:
     seed: int = 0
     """Number of the run; no two runs share an episode (coopenv.agents.seeds)."""
     steps: int = 600_000
-    """Control steps, counted over all worlds."""
+    """Control steps, counted over all worlds, in whole rollouts; more of them go on with a run that
+    is finished."""
     num_worlds: int = 64
     """Worlds stepped together."""
     rollout: int = 128
@@ -84,7 +85,8 @@ class TrainConfig:
     epochs: int = 10
     """Times each sample is used."""
     learning_rate: float = 1e-3
-    """At the start; it falls linearly to zero."""
+    """At the start; it falls linearly to zero at steps. A run that goes on with more steps has the
+    rate of a run of so many from there on, which is higher than the one it ended with."""
     discount: float = 0.99
     """Per control step."""
     gae_lambda: float = 0.95
@@ -102,7 +104,7 @@ class TrainConfig:
     checkpoint_every: int = 10
     """Updates between two checkpoints."""
     fresh: bool = False
-    """Start over, even if there is a checkpoint to go on from."""
+    """Start over, and remove the run that the folder holds."""
     out: Path = Path("runs/beam_transport")
     """Folder for the policy, logs and pictures."""
 
@@ -111,6 +113,12 @@ class TrainConfig:
         for name in (*counts, "threads"):
             whole(getattr(self, name), name, at_least=1)
         whole(self.seed, "seed", at_least=0)
+        if self.steps <= self.num_worlds * self.rollout:  # the last update's rate is zero
+            raise InvalidInput(
+                f"steps must be more than the {self.num_worlds * self.rollout:,} of one rollout "
+                f"(num_worlds × rollout), got {self.steps:,}, which learns nothing; give more, or "
+                "fewer worlds"
+            )
         for name in ("learning_rate", "discount", "gae_lambda", "clip_range", "initial_std"):
             positive(getattr(self, name), name)
         if max(self.discount, self.gae_lambda) > 1:
@@ -133,7 +141,7 @@ class TrainConfig:
 
     def identity(self) -> dict[str, Any]:
         """What two runs must have in common for one to go on from the other's checkpoint."""
-        free = ("out", "fresh", "threads", "checkpoint_every")
+        free = ("out", "fresh", "threads", "checkpoint_every", "steps")
         return {name: value for name, value in self.to_dict().items() if name not in free}
 
     def save(self, path: str | os.PathLike) -> None:

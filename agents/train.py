@@ -1,36 +1,29 @@
-"""Training with PPO: logs, curves and checkpoints that a killed run goes on from."""
+"""Training with PPO: logs, curves, and checkpoints that an interrupted run goes on from."""
 
-import json
-import zipfile
-from collections import deque
 from collections.abc import Callable
-from itertools import chain
 from math import ceil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.files import written
 
 from . import curves
 from .curves import Row
 from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
+from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
+from .training.progress import Progress, Watch
 
 try:
     import torch
     from stable_baselines3 import PPO
-    from stable_baselines3.common.callbacks import BaseCallback
 except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
 __all__ = ["EnvironmentChoice", "TrainConfig", "train"]
-
-_NOTES = "coopenv.json"  # what a checkpoint holds beside SB3's own: curves so far, configuration
 
 
 def train(
@@ -38,13 +31,19 @@ def train(
     *,
     environment: TransportConfig | None = None,
     report: Callable[[Row], None] | None = None,
+    tell: Callable[[str], None] = print,
 ) -> SB3Policy:
     """Train a policy and leave it in ``config.out``.
 
     Written there: ``policy.zip`` (`SB3Policy.load`, or ``PPO.load``), ``config.json``,
     ``curves.csv``, ``curves.png``, ``tensorboard/``, and while it runs ``checkpoint.zip``, with
-    which the next call of the same configuration goes on. Episodes that ran when it was killed
-    begin anew, so a run that was killed does not give the same bits as one that was not.
+    which the next call of the same configuration goes on. So does an interruption (Ctrl-C), after
+    the last update that was done. Episodes that ran when it was killed begin anew, so a run that
+    was killed does not give the same bits as one that was not.
+
+    A run that is finished is not trained again: its policy is returned. With more ``steps`` it goes
+    on from its end, at the learning rate that a run of so many steps has there. ``config.fresh``
+    removes the run that the folder holds and starts over.
 
     Parameters
     ----------
@@ -54,43 +53,133 @@ def train(
         Instead of the one that ``config.environment`` names.
     report
         Called with the newest row of the curves after every rollout.
+    tell
+        Called with a sentence if the run goes on or had ended.
 
     Raises
     ------
     InvalidInput
-        If ``config.out`` holds a checkpoint of another configuration.
+        If ``config.out`` holds another run, or this one with more steps done.
+    KeyboardInterrupt
+        If it is interrupted; the message says where the next call will go on.
     """
     threads = torch.get_num_threads()
     torch.set_num_threads(config.threads)
     try:
-        return _train(config, environment or config.environment.config(), report)
+        return _train(config, environment or config.environment.config(), report, tell)
     finally:
         torch.set_num_threads(threads)
 
 
 def _train(
-    config: TrainConfig, environment: TransportConfig, report: Callable[[Row], None] | None
+    config: TrainConfig,
+    environment: TransportConfig,
+    report: Callable[[Row], None] | None,
+    tell: Callable[[str], None],
 ) -> SB3Policy:
     venv = TransportVecEnv(environment, config.num_worlds, control=config.control)
-    per_step = venv.num_envs // config.num_worlds  # rows of the VecEnv a control step of a world
-    checkpoint = config.out / "checkpoint.zip"
-    if config.fresh:
-        checkpoint.unlink(missing_ok=True)
-    model, rows = _resume(config, venv) if checkpoint.exists() else (_begin(config, venv), [])
-    config.save(config.out / "config.json")
-    model.learn(
-        max(0, config.steps * per_step - model.num_timesteps),
-        callback=_Log(config, environment.horizon, per_step, rows, report),
-        reset_num_timesteps=model.num_timesteps == 0,
-        tb_log_name="ppo",
-    )
-    policy = SB3Policy(model)
-    policy.save(config.out / "policy.zip")
-    curves.save_rows(rows, config.out / "curves.csv")
-    curves.draw({"": [rows]}, config.out / "curves.png")
-    checkpoint.unlink(missing_ok=True)
+    found = None if config.fresh else _furthest(config)
+    if found is None:
+        model, progress = _begin(config, venv), Progress()
+        if config.fresh:
+            _clear(config.out)
+    else:
+        tell(_what_was_found(found, config))
+        model, progress = _resume(found, config, venv), found.progress
+    if found is None or not _is_finished(found, config):
+        config.save(config.out / "config.json")
+        _learn(model, config, progress, report)
+    curves.save_rows(progress.rows, config.out / "curves.csv")
+    curves.draw({"": [progress.rows]}, config.out / "curves.png")
+    (config.out / CHECKPOINT).unlink(missing_ok=True)
     venv.close()
-    return policy
+    return SB3Policy(model)
+
+
+def _learn(
+    model: PPO,
+    config: TrainConfig,
+    progress: Progress,
+    report: Callable[[Row], None] | None,
+) -> None:
+    """Train up to ``config.steps`` and save the policy, or a checkpoint if interrupted."""
+    venv = model.get_env()
+    assert isinstance(venv, TransportVecEnv)
+    identity = config.identity()
+    per_step = venv.num_envs // config.num_worlds  # rows of the VecEnv a control step of a world
+    keeper = Keeper(config.out, identity, progress, every=config.checkpoint_every)
+    watch = Watch(
+        progress,
+        horizon=venv.transport.config.horizon,
+        rollout=config.rollout,
+        per_step=per_step,
+        begin=keeper.begin_rollout,
+        report=report if report is not None else lambda row: None,
+    )
+    try:
+        model.learn(
+            max(0, config.steps * per_step - model.num_timesteps),
+            callback=watch,
+            reset_num_timesteps=model.num_timesteps == 0,
+            tb_log_name="ppo",
+        )
+        save(config.out / POLICY, model, identity, progress)
+    except KeyboardInterrupt as stop:
+        raise KeyboardInterrupt(_interrupted(keeper.write_kept(model), config)) from stop
+
+
+def _furthest(config: TrainConfig) -> Checkpoint | None:
+    """The furthest that the folder holds of this run, if anything.
+
+    Raises `InvalidInput` if what it holds is of another run, or beyond the end of this one.
+    """
+    paths = [path for name in (POLICY, CHECKPOINT) if (path := config.out / name).exists()]
+    found = [Checkpoint.read(path) for path in paths]
+    for checkpoint in found:
+        checkpoint.check(config.identity())
+    furthest = max(found, key=lambda checkpoint: checkpoint.progress.steps, default=None)
+    if furthest is not None and furthest.progress.steps > _end(config):
+        raise InvalidInput(
+            f"steps must be at least the {furthest.progress.steps:,} that {furthest.path} has "
+            f"done, got {config.steps:,}; give more, choose another out, or start over with "
+            "fresh=True (--fresh)"
+        )
+    return furthest
+
+
+def _end(config: TrainConfig) -> int:
+    """Control steps of the whole run: whole rollouts of all worlds."""
+    rollout = config.rollout * config.num_worlds
+    return ceil(config.steps / rollout) * rollout
+
+
+def _is_finished(found: Checkpoint, config: TrainConfig) -> bool:
+    return found.path.name == POLICY and found.progress.steps >= config.steps
+
+
+def _what_was_found(found: Checkpoint, config: TrainConfig) -> str:
+    done = f"{found.progress.steps:,}"
+    if _is_finished(found, config):
+        return (
+            f"{found.path} has done its {done} steps and is taken as it is; more steps go on from "
+            "there, fresh=True (--fresh) starts over"
+        )
+    return f"going on from {found.path} at {done} of {config.steps:,} steps"
+
+
+def _interrupted(done: int, config: TrainConfig) -> str:
+    if not done:
+        return "interrupted before the first update; the same command begins anew"
+    return (
+        f"interrupted; {config.out / CHECKPOINT} holds {done:,} of {config.steps:,} steps, give "
+        "the same command again to go on there"
+    )
+
+
+def _clear(out: Path) -> None:
+    """Remove the run that a folder holds, so that no later call takes it for the new one."""
+    for name in (POLICY, CHECKPOINT, "config.json", "curves.csv", "curves.png"):
+        (out / name).unlink(missing_ok=True)
 
 
 def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
@@ -120,94 +209,16 @@ def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
     return model
 
 
-def _resume(config: TrainConfig, venv: TransportVecEnv) -> tuple[PPO, list[Row]]:
-    """The model as it was at the last checkpoint, and the curves up to there."""
-    path = config.out / "checkpoint.zip"
-    with zipfile.ZipFile(path) as archive:
-        notes = json.loads(archive.read(_NOTES))
-    if notes["config"] != config.identity():
-        differing = [
-            name for name, value in config.identity().items() if notes["config"].get(name) != value
-        ]
-        raise InvalidInput(
-            f"out must hold no checkpoint of another run, got {path} which differs in "
-            f"{', '.join(differing)}; choose another out, or start over with fresh=True (--fresh)"
-        )
-    model = PPO.load(path, env=venv, device="cpu")
+def _resume(found: Checkpoint, config: TrainConfig, venv: TransportVecEnv) -> PPO:
+    """The model as it was at the checkpoint, with random numbers of its own."""
+    model = PPO.load(found.path, env=venv, device="cpu")
+    model.tensorboard_log = str(config.out / "tensorboard")  # the folder may have been moved
     model.set_random_seed(config.seed + model.num_timesteps)
     _seed_worlds(config, venv, steps=model.num_timesteps)
-    return model, notes["rows"]
+    return model
 
 
 def _seed_worlds(config: TrainConfig, venv: TransportVecEnv, *, steps: int) -> None:
     """World seeds of this run's block; a resumed run takes others than it began with."""
     first = training_seeds(config.seed, config.num_worlds)[0]
     venv.seed(first + steps % (BLOCK - config.num_worlds))
-
-
-def _save_checkpoint(path: Path, model: PPO, config: TrainConfig, rows: list[Row]) -> None:
-    notes = json.dumps({"config": config.identity(), "rows": rows})
-    with written(path) as part:
-        with part.open("wb") as file:
-            model.save(file)
-        with zipfile.ZipFile(part, "a") as archive:
-            archive.writestr(_NOTES, notes)
-
-
-class _Log(BaseCallback):
-    """Turns the episodes that ended lately into one row of the curves a rollout.
-
-    Lately: in as many rollouts as an episode may last. In a shorter while those that end are
-    mostly the short ones, that is, the successful.
-    """
-
-    def __init__(
-        self,
-        config: TrainConfig,
-        horizon: int,
-        per_step: int,
-        rows: list[Row],
-        report: Callable[[Row], None] | None,
-    ):
-        super().__init__()
-        self._config, self._per_step, self._rows = config, per_step, rows
-        self._report = report if report is not None else lambda row: None
-        self._ended: deque[list[dict[str, Any]]] = deque(maxlen=ceil(horizon / config.rollout))
-        self._updates = 0
-
-    def _on_rollout_start(self) -> None:
-        if self._updates and self._updates % self._config.checkpoint_every == 0:
-            path = self._config.out / "checkpoint.zip"
-            assert isinstance(self.model, PPO)
-            _save_checkpoint(path, self.model, self._config, self._rows)
-        self._updates += 1
-        self._ended.append([])
-
-    def _on_step(self) -> bool:
-        self._ended[-1] += [info for info in self.locals["infos"] if info]
-        return True
-
-    def _on_rollout_end(self) -> None:
-        row: Row = {
-            "steps": self.num_timesteps // self._per_step,
-            **episode_means(list(chain(*self._ended))),
-        }
-        for name, value in row.items():
-            self.logger.record(f"episode/{name}", value)
-        self._rows.append(row)
-        self._report(row)
-
-
-def episode_means(ended: list[dict[str, Any]]) -> Row:
-    """Means over the infos of ended episodes; nothing where none ended."""
-    if not ended:
-        return {}
-    episodes = [info["episode"] for info in ended]
-    means = {
-        name: float(np.nanmean([episode[name] for episode in episodes]))
-        for name in episodes[0]
-        if name != "t"
-    }
-    success = float(np.mean([info["is_success"] for info in ended]))
-    renamed = {"reward": means.pop("r"), "length": means.pop("l")}
-    return {"episodes": len(episodes), "success": success, **renamed, **means}

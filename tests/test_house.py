@@ -245,4 +245,4 @@ def test_only_the_renderer_knows_pygame():
 
 @pytest.mark.parametrize("tool", ["torch", "stable_baselines3", "tensorboard"])
 def test_only_agents_know_what_trains_them(tool):
-    assert folders_of(users_of(tool)) <= {Path("agents")}
+    assert folders_of(users_of(tool)) <= {Path("agents"), Path("agents/training")}

@@ -38,8 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except CoopenvError as error:
         print(f"coopenv: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("coopenv: interrupted; give the same command again to go on", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        print(f"coopenv: {str(stop) or 'interrupted'}", file=sys.stderr)
         return 130
     return 0
 

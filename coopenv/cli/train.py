@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 class Train:
     """Train PPO, then compare it with a random and the scripted policy on held-out episodes.
 
-    Writes policy, curves, table and a GIF of an episode. A run that was killed goes on from its
-    last checkpoint when the same command is given again.
+    Writes policy, curves, table and a GIF of an episode. A run that was interrupted goes on when
+    the same command is given again, or with more steps; one that is finished is evaluated.
     """
 
     training: TrainConfig = field(default_factory=TrainConfig)
@@ -35,16 +36,26 @@ class Train:
         """Train, evaluate, draw."""
         from rich.console import Console
 
-        from coopenv.agents.controllers import RandomPolicy, find_controller
-        from coopenv.agents.evaluate import compare, save, table
         from coopenv.agents.train import train
 
-        out, config = self.training.out, self.training.environment.config()
         console = Console()
-        if (out / "checkpoint.zip").exists() and not self.training.fresh:
-            console.print(f"going on from the checkpoint in {out}", markup=False)
+        tell = partial(console.print, markup=False)
         with _training_progress(self.training.steps, console) as report:
-            trained = train(self.training, report=report)
+            trained = train(self.training, report=report, tell=tell)
+        try:
+            self._evaluate(trained, console)
+        except KeyboardInterrupt as stop:
+            raise KeyboardInterrupt(
+                f"interrupted; the trained policy is {self.training.out / 'policy.zip'}, and the "
+                "same command goes straight to its evaluation"
+            ) from stop
+
+    def _evaluate(self, trained: "Policy", console: "Console") -> None:
+        """Compare with other policies, draw an episode, say what was written."""
+        from coopenv.agents.controllers import RandomPolicy, find_controller
+        from coopenv.agents.evaluate import compare, save, table
+
+        out, config = self.training.out, self.training.environment.config()
         with console.status(f"evaluating on {self.episodes} held-out episodes"):
             policies: dict[str, Policy] = {
                 "trained PPO": trained,

@@ -48,9 +48,9 @@ def test_train_prints_the_table_and_leaves_its_files(tmp_path, capsys):
 
 
 def test_the_same_command_goes_on_after_an_interruption(tmp_path, monkeypatch, capsys):
-    from coopenv.agents import train
+    from coopenv.agents.training import progress
 
-    means = train.episode_means
+    means = progress.episode_means
 
     def interrupted(ended):
         if (tmp_path / "checkpoint.zip").exists():
@@ -59,12 +59,32 @@ def test_the_same_command_goes_on_after_an_interruption(tmp_path, monkeypatch, c
 
     options = (*TINY, "--checkpoint-every=1", "--episodes=2", "--no-gif", f"--out={tmp_path}")
     with monkeypatch.context() as patch:
-        patch.setattr(train, "episode_means", interrupted)
+        patch.setattr(progress, "episode_means", interrupted)
         assert run("train", *options) == 130
-    assert "go on" in capsys.readouterr().err
+    assert "holds 32 of 64 steps, give the same command again to go on" in capsys.readouterr().err
     assert run("train", *options) == 0
-    assert "going on from the checkpoint" in capsys.readouterr().out
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "going on from" in printed
+    assert "at 32 of 64 steps" in printed
     assert (tmp_path / "policy.zip").exists()
+
+
+def test_an_interrupted_evaluation_loses_no_training(tmp_path, monkeypatch, capsys):
+    from coopenv.agents import evaluate
+
+    def interrupted(*arguments, **keywords):
+        raise KeyboardInterrupt
+
+    options = (*TINY, "--episodes=2", "--no-gif", f"--out={tmp_path}")
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluate, "compare", interrupted)
+        assert run("train", *options) == 130
+    assert "goes straight to its evaluation" in capsys.readouterr().err
+    trained = (tmp_path / "policy.zip").read_bytes()
+    assert run("train", *options) == 0
+    assert "has done its 64 steps" in " ".join(capsys.readouterr().out.split())
+    assert (tmp_path / "policy.zip").read_bytes() == trained
+    assert (tmp_path / "table.csv").exists()
 
 
 def test_evaluate_takes_the_environment_a_policy_was_trained_in(tmp_path, capsys):

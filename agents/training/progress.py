@@ -1,0 +1,128 @@
+"""Progress of a training run: the episodes that ended lately, and the learning curves over them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from math import ceil
+from typing import Any, Self
+
+import numpy as np
+
+from coopenv.errors import MissingExtra
+
+from ..curves import Row
+
+try:
+    from stable_baselines3.common.base_class import BaseAlgorithm
+    from stable_baselines3.common.callbacks import BaseCallback
+except ImportError as error:
+    raise MissingExtra("coopenv.agents.train", "train") from error
+
+Episode = dict[str, float]
+"""An episode that ended: ``success``, ``reward``, ``length`` and its means by name; without those
+that are undefined in it."""
+
+
+@dataclass(kw_only=True)
+class Progress:
+    """How far a run has come, and what its curves are drawn from."""
+
+    steps: int = 0
+    """Control steps done, over all worlds."""
+    rows: list[Row] = field(default_factory=list)
+    """The curves, one row an update."""
+    window: list[list[Episode]] = field(default_factory=list)
+    """Episodes that ended in each of the last rollouts, oldest first."""
+
+    def copy(self) -> Self:
+        """One that goes on by itself."""
+        return replace(self, rows=[*self.rows], window=[*self.window])
+
+    def add(self, ended: list[Episode], *, rollouts: int) -> None:
+        """Let a rollout's episodes into the window, which holds that many rollouts."""
+        self.window = [*self.window, ended][-rollouts:]
+
+
+class Watch(BaseCallback):
+    """Turns the episodes that ended lately into one row of the curves a rollout.
+
+    Lately: in as many rollouts as an episode may last. In a shorter while those that end are
+    mostly the short ones, that is, the successful. For the same reason a run that goes on shows the
+    episodes of before until the new ones have had that long.
+
+    Parameters
+    ----------
+    progress
+        Of the run, which this writes on.
+    horizon, rollout
+        Control steps of the longest episode, and between two updates.
+    per_step
+        Rows of the ``VecEnv`` in a control step of a world.
+    begin
+        Called with the model before each rollout, when the last update is done.
+    report
+        Called with the newest row after every rollout.
+    """
+
+    def __init__(
+        self,
+        progress: Progress,
+        *,
+        horizon: int,
+        rollout: int,
+        per_step: int,
+        begin: Callable[[BaseAlgorithm], None],
+        report: Callable[[Row], None],
+    ):
+        super().__init__()
+        self._progress, self._per_step = progress, per_step
+        self._begin, self._report = begin, report
+        self._rollouts = ceil(horizon / rollout)  # of the window
+        self._early = self._rollouts if any(progress.window) else 0  # rollouts left out of it
+        self._ended: list[Episode] = []
+
+    def _on_rollout_start(self) -> None:
+        self._begin(self.model)
+        self._ended = []
+
+    def _on_step(self) -> bool:
+        self._ended += [episode_of(info) for info in self.locals["infos"] if info]
+        return True
+
+    def _on_rollout_end(self) -> None:
+        progress = self._progress
+        if self._early:
+            self._early -= 1
+        else:
+            progress.add(self._ended, rollouts=self._rollouts)
+        progress.steps = self.num_timesteps // self._per_step
+        row: Row = {"steps": progress.steps, **episode_means([*chain(*progress.window)])}
+        for name, value in row.items():
+            self.logger.record(f"episode/{name}", value)
+        progress.rows.append(row)
+        self._report(row)
+
+
+def episode_of(info: dict[str, Any]) -> Episode:
+    """What the info of an ended episode says, in the names of the curves."""
+    statistics = dict(info["episode"])
+    del statistics["t"]
+    named = {
+        "success": info["is_success"],
+        "reward": statistics.pop("r"),
+        "length": statistics.pop("l"),
+        **statistics,
+    }
+    return {name: float(value) for name, value in named.items() if not np.isnan(value)}
+
+
+def episode_means(ended: Sequence[Episode]) -> Row:
+    """Means over ended episodes, each over those in which it is defined; nothing without any."""
+    if not ended:
+        return {}
+    names = dict.fromkeys(chain(*ended))
+    means = {
+        name: float(np.mean([episode[name] for episode in ended if name in episode]))
+        for name in names
+    }
+    return {"episodes": len(ended), **means}
