@@ -233,7 +233,8 @@ def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
             return
         flat = [_flat(row) for row in rows]
         with part.open("w", newline="") as file:
-            writer = csv.DictWriter(file, list(flat[0]))
+            names = dict.fromkeys(name for row in flat for name in row)  # teams differ in size
+            writer = csv.DictWriter(file, list(names))
             writer.writeheader()
             writer.writerows(flat)
 

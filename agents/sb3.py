@@ -1,7 +1,9 @@
 """Stable-Baselines3: worlds as a ``VecEnv``, trained models as policies, what a training needs."""
 
+import json
 import os
-from collections.abc import Iterable, Sequence
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -16,6 +18,7 @@ from coopenv.files import written
 from coopenv.observation.view import VIEW, WRENCH_UNIT
 from coopenv.transition import Transition
 
+from .provenance import NOTES, Provenance
 from .settings import find_config
 from .vec_env import TransportVecEnv
 
@@ -86,19 +89,30 @@ class SB3Policy:
         Any algorithm of Stable-Baselines3.
     deterministic
         Take the mean action instead of a sample.
+    notes
+        What else its file is to say, its `coopenv.agents.provenance` for one; as JSON can hold it.
     """
 
-    def __init__(self, model: BaseAlgorithm, *, deterministic: bool = True):
+    def __init__(
+        self,
+        model: BaseAlgorithm,
+        *,
+        deterministic: bool = True,
+        notes: Mapping[str, Any] | None = None,
+    ):
         self.model, self.deterministic = model, deterministic
+        self.notes = dict(notes or {})
 
     @classmethod
     def load(cls, path: str | os.PathLike, algorithm: type[BaseAlgorithm] = PPO) -> Self:
         """Read a model from the file that `save` or SB3 itself wrote. Only open files you trust."""
-        return cls(algorithm.load(os.fspath(path), device="cpu"))
+        provenance = Provenance.read(path) if os.path.isfile(path) else None
+        notes = provenance.to_notes() if provenance is not None else None
+        return cls(algorithm.load(os.fspath(path), device="cpu"), notes=notes)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the model to one file, whole or not at all; ``PPO.load`` reads it as well."""
-        save_model(self.model, path)
+        save_model(self.model, path, notes=self.notes)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
         """Actions ``(world, learner, action_size)``."""
@@ -117,10 +131,16 @@ class SB3Policy:
         return action.reshape(num_worlds, num_agents, -1).astype(np.float64)
 
 
-def save_model(model: BaseAlgorithm, path: str | os.PathLike) -> None:
-    """``model.save``, but under a temporary name that is then renamed."""
-    with written(path) as part, part.open("wb") as file:
-        model.save(file)
+def save_model(
+    model: BaseAlgorithm, path: str | os.PathLike, *, notes: Mapping[str, Any] | None = None
+) -> None:
+    """``model.save``, but under a temporary name that is then renamed, with ``notes`` in it."""
+    with written(path) as part:
+        with part.open("wb") as file:
+            model.save(file)
+        if notes:
+            with zipfile.ZipFile(part, "a") as archive:
+                archive.writestr(NOTES, json.dumps(notes, indent=2) + "\n")
 
 
 class Scaled(BaseFeaturesExtractor):

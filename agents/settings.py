@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -13,6 +14,8 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import written
 
 from . import partners
+
+NOTED = ("provenance",)  # entries of config.json that others write beside the settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,12 +46,25 @@ class EnvironmentChoice:
         UnknownName
             If the id, the preset or a block does not exist.
         """
-        given = {
+        return find_config(self.env, self._given())
+
+    def over(self, config: TransportConfig) -> TransportConfig:
+        """``config`` with what this choice names but its id.
+
+        Raises
+        ------
+        InvalidInput, UnknownName
+            If the preset or a block does not exist, or does not go with the rest.
+        """
+        rest = {entry.name: getattr(config, entry.name) for entry in fields(config)}
+        return TransportConfig.parse(self._given(), rest)
+
+    def _given(self) -> dict[str, Any]:
+        return {
             name: value
             for name, value in asdict(self).items()
             if name != "env" and value is not None
         }
-        return find_config(self.env, given)
 
 
 def find_config(env: str | TransportConfig, keywords: dict[str, Any]) -> TransportConfig:
@@ -140,23 +156,44 @@ class TrainConfig:
         return json.loads(json.dumps(asdict(self), default=str))
 
     def identity(self) -> dict[str, Any]:
-        """What two runs must have in common for one to go on from the other's checkpoint."""
-        free = ("out", "fresh", "threads", "checkpoint_every", "steps")
+        """What two runs must have in common for one to go on from the other's checkpoint.
+
+        Beside it, all of the environment (`coopenv.agents.provenance`), whatever it was named by.
+        """
+        free = ("environment", "out", "fresh", "threads", "checkpoint_every", "steps")
         return {name: value for name, value in self.to_dict().items() if name not in free}
 
-    def save(self, path: str | os.PathLike) -> None:
-        """Write the configuration as JSON."""
+    def save(self, path: str | os.PathLike, *, notes: Mapping[str, Any] | None = None) -> None:
+        """Write the configuration as JSON, and ``notes`` of others beside it."""
         with written(path) as part:
-            part.write_text(json.dumps(self.to_dict(), indent=2) + "\n")
+            part.write_text(json.dumps({**self.to_dict(), **(notes or {})}, indent=2) + "\n")
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Self:
-        """Read what `save` wrote."""
-        given = json.loads(Path(path).read_text())
+        """Read what `save` wrote, without the notes.
+
+        Raises
+        ------
+        InvalidInput, UnknownName
+            If it is no JSON of a training run.
+        """
+        try:
+            given = json.loads(Path(path).read_text())
+        except ValueError as error:
+            raise InvalidInput(
+                f"path must be of JSON that a training run wrote, got {os.fspath(path)!r}: {error}"
+            ) from error
+        if not isinstance(given, dict):
+            raise InvalidInput(f"{os.fspath(path)} must hold an object, got {given!r:.40}; mend it")
+        return cls.from_dict({name: given[name] for name in given if name not in NOTED})
+
+    @classmethod
+    def from_dict(cls, given: Mapping[str, Any]) -> Self:
+        """The configuration that `to_dict` made plain."""
         names = {entry.name for entry in fields(cls)}
         for name in given:
             if name not in names:
-                raise UnknownName(f"entry of {os.fspath(path)}", name, names)
+                raise UnknownName("entry of a training run", name, names)
         return cls(**given)
 
 

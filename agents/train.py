@@ -1,5 +1,6 @@
 """Training with PPO: logs, curves, and checkpoints that an interrupted run goes on from."""
 
+import warnings
 from collections.abc import Callable
 from math import ceil
 from pathlib import Path
@@ -11,6 +12,7 @@ from coopenv.errors import InvalidInput, MissingExtra
 
 from . import curves
 from .curves import Row
+from .provenance import Provenance
 from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
@@ -35,11 +37,12 @@ def train(
 ) -> SB3Policy:
     """Train a policy and leave it in ``config.out``.
 
-    Written there: ``policy.zip`` (`SB3Policy.load`, or ``PPO.load``), ``config.json``,
-    ``curves.csv``, ``curves.png``, ``tensorboard/``, and while it runs ``checkpoint.zip``, with
-    which the next call of the same configuration goes on. So does an interruption (Ctrl-C), after
-    the last update that was done. Episodes that ran when it was killed begin anew, so a run that
-    was killed does not give the same bits as one that was not.
+    Written there: ``policy.zip`` (`SB3Policy.load`, or ``PPO.load``) and ``config.json``, both with
+    all of the environment, versions and the command (`coopenv.agents.provenance`), ``curves.csv``,
+    ``curves.png``, ``tensorboard/``, and while it runs ``checkpoint.zip``, with which the next call
+    of the same configuration goes on. So does an interruption (Ctrl-C), after the last update that
+    was done. Episodes that ran when it was killed begin anew, so a run that was killed does not
+    give the same bits as one that was not.
 
     A run that is finished is not trained again: its policy is returned. With more ``steps`` it goes
     on from its end, at the learning rate that a run of so many steps has there. ``config.fresh``
@@ -59,7 +62,8 @@ def train(
     Raises
     ------
     InvalidInput
-        If ``config.out`` holds another run, or this one with more steps done.
+        If ``config.out`` holds another run, or this one with more steps done; or if the environment
+        cannot be written into it.
     KeyboardInterrupt
         If it is interrupted; the message says where the next call will go on.
     """
@@ -78,36 +82,40 @@ def _train(
     tell: Callable[[str], None],
 ) -> SB3Policy:
     venv = TransportVecEnv(environment, config.num_worlds, control=config.control)
-    found = None if config.fresh else _furthest(config)
+    provenance = Provenance.of(config, venv.transport.config)
+    found = None if config.fresh else _furthest(config, provenance)
     if found is None:
         model, progress = _begin(config, venv), Progress()
         if config.fresh:
             _clear(config.out)
     else:
         tell(_what_was_found(found, config))
+        _warn_of_versions(found)
         model, progress = _resume(found, config, venv), found.progress
     if found is None or not _is_finished(found, config):
-        config.save(config.out / "config.json")
-        _learn(model, config, progress, report)
+        config.save(config.out / "config.json", notes=provenance.to_notes())
+        _learn(model, config, provenance, progress, report)
+    else:
+        provenance = found.provenance
     curves.save_rows(progress.rows, config.out / "curves.csv")
     curves.draw({"": [progress.rows]}, config.out / "curves.png")
     (config.out / CHECKPOINT).unlink(missing_ok=True)
     venv.close()
-    return SB3Policy(model)
+    return SB3Policy(model, notes=provenance.to_notes())
 
 
 def _learn(
     model: PPO,
     config: TrainConfig,
+    provenance: Provenance,
     progress: Progress,
     report: Callable[[Row], None] | None,
 ) -> None:
     """Train up to ``config.steps`` and save the policy, or a checkpoint if interrupted."""
     venv = model.get_env()
     assert isinstance(venv, TransportVecEnv)
-    identity = config.identity()
     per_step = venv.num_envs // config.num_worlds  # rows of the VecEnv a control step of a world
-    keeper = Keeper(config.out, identity, progress, every=config.checkpoint_every)
+    keeper = Keeper(config.out, provenance, progress, every=config.checkpoint_every)
     watch = Watch(
         progress,
         horizon=venv.transport.config.horizon,
@@ -123,12 +131,12 @@ def _learn(
             reset_num_timesteps=model.num_timesteps == 0,
             tb_log_name="ppo",
         )
-        save(config.out / POLICY, model, identity, progress)
+        save(config.out / POLICY, model, provenance, progress)
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(_interrupted(keeper.write_kept(model), config)) from stop
 
 
-def _furthest(config: TrainConfig) -> Checkpoint | None:
+def _furthest(config: TrainConfig, provenance: Provenance) -> Checkpoint | None:
     """The furthest that the folder holds of this run, if anything.
 
     Raises `InvalidInput` if what it holds is of another run, or beyond the end of this one.
@@ -136,7 +144,7 @@ def _furthest(config: TrainConfig) -> Checkpoint | None:
     paths = [path for name in (POLICY, CHECKPOINT) if (path := config.out / name).exists()]
     found = [Checkpoint.read(path) for path in paths]
     for checkpoint in found:
-        checkpoint.check(config.identity())
+        checkpoint.check(provenance)
     furthest = max(found, key=lambda checkpoint: checkpoint.progress.steps, default=None)
     if furthest is not None and furthest.progress.steps > _end(config):
         raise InvalidInput(
@@ -165,6 +173,16 @@ def _what_was_found(found: Checkpoint, config: TrainConfig) -> str:
             "there, fresh=True (--fresh) starts over"
         )
     return f"going on from {found.path} at {done} of {config.steps:,} steps"
+
+
+def _warn_of_versions(found: Checkpoint) -> None:
+    others = found.provenance.other_versions()
+    if others:
+        warnings.warn(
+            f"{found.path} was written with {', '.join(others)}; what follows may differ from what "
+            "these would have given",
+            stacklevel=4,
+        )
 
 
 def _interrupted(done: int, config: TrainConfig) -> str:

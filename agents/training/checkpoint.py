@@ -2,7 +2,6 @@
 
 import json
 import zipfile
-from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import written
 
 from ..curves import save_rows
+from ..provenance import NOTES, Provenance
 from .progress import Progress
 
 try:
@@ -20,7 +20,7 @@ except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
 POLICY, CHECKPOINT = "policy.zip", "checkpoint.zip"  # in a run's folder: finished, under way
-RUN, PROGRESS = "coopenv.json", "coopenv_progress.json"  # in the file, beside SB3's own entries
+PROGRESS = "coopenv_progress.json"  # in the file, beside the entries of Stable-Baselines3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +31,7 @@ class Checkpoint:
     """
 
     path: Path
-    identity: dict[str, Any]
-    """What two runs must have in common for one to go on from the other."""
+    provenance: Provenance
     progress: Progress
 
     @classmethod
@@ -46,17 +45,22 @@ class Checkpoint:
         """
         try:
             with zipfile.ZipFile(path) as archive:
-                run, progress = (json.loads(archive.read(name)) for name in (RUN, PROGRESS))
-            return cls(path=path, identity=run["identity"], progress=Progress(**progress))
+                notes, progress = (json.loads(archive.read(name)) for name in (NOTES, PROGRESS))
+            provenance = Provenance.from_notes(notes)
+            if provenance is None:
+                raise ValueError(f"{NOTES} does not say where it comes from")
+            return cls(path=path, provenance=provenance, progress=Progress(**progress))
+        except InvalidInput:
+            raise
         except (zipfile.BadZipFile, KeyError, TypeError, ValueError) as error:
             raise InvalidInput(
                 f"out must hold no file of another kind of that name, got {path}, which does not "
                 "say what run it is of; choose another out, or start over with fresh=True (--fresh)"
             ) from error
 
-    def check(self, identity: Mapping[str, Any]) -> None:
-        """Raise `InvalidInput` unless it is of the run with this ``identity``."""
-        names = differences(self.identity, identity)
+    def check(self, provenance: Provenance) -> None:
+        """Raise `InvalidInput` unless it is of the run that ``provenance`` begins."""
+        names = self.provenance.differences(provenance)
         if names:
             raise InvalidInput(
                 f"out must hold no other run, got {self.path}, which differs in "
@@ -64,13 +68,16 @@ class Checkpoint:
             )
 
 
-def save(path: Path, model: BaseAlgorithm, identity: Mapping[str, Any], progress: Progress) -> None:
-    """Write the model with its run and progress into one file, whole or not at all."""
+def save(path: Path, model: BaseAlgorithm, provenance: Provenance, progress: Progress) -> None:
+    """Write the model with its provenance and progress into one file, whole or not at all."""
+    kind = type(model)
+    algorithm = f"{kind.__module__}:{kind.__qualname__}"
+    notes = {"algorithm": algorithm, "normalized": False, **provenance.to_notes()}
     with written(path) as part:
         with part.open("wb") as file:
             model.save(file)
         with zipfile.ZipFile(part, "a", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr(RUN, json.dumps({"identity": identity}, indent=2))
+            archive.writestr(NOTES, json.dumps(notes, indent=2) + "\n")
             archive.writestr(PROGRESS, json.dumps(asdict(progress)))
 
 
@@ -84,7 +91,7 @@ class Keeper:
     ----------
     out
         Folder of the run, for ``checkpoint.zip`` and ``curves.csv``.
-    identity
+    provenance
         Of the run.
     progress
         Of the run, as it grows.
@@ -92,8 +99,9 @@ class Keeper:
         Rollouts between two checkpoints.
     """
 
-    def __init__(self, out: Path, identity: Mapping[str, Any], progress: Progress, *, every: int):
-        self._out, self._identity, self._progress, self._every = out, identity, progress, every
+    def __init__(self, out: Path, provenance: Provenance, progress: Progress, *, every: int):
+        self._out, self._provenance = out, provenance
+        self._progress, self._every = progress, every
         self._rollouts = 0
         self._kept: tuple[dict[str, Any], dict[str, Any], Progress] | None = None
 
@@ -125,16 +133,5 @@ class Keeper:
         return progress.steps
 
     def _write(self, model: BaseAlgorithm, progress: Progress) -> None:
-        save(self._out / CHECKPOINT, model, self._identity, progress)
+        save(self._out / CHECKPOINT, model, self._provenance, progress)
         save_rows(progress.rows, self._out / "curves.csv")
-
-
-def differences(one: Any, other: Any, path: str = "") -> list[str]:
-    """Dotted names of the parts in which two JSON values differ."""
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return [
-            found
-            for name in dict.fromkeys((*one, *other))
-            for found in differences(one.get(name), other.get(name), f"{path}.{name}".lstrip("."))
-        ]
-    return [] if one == other else [path]

@@ -1,20 +1,32 @@
 """``coopenv evaluate``: compare policies on the same held-out episodes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from coopenv.agents.settings import EnvironmentChoice, TrainConfig
+from coopenv.agents.settings import EnvironmentChoice
+from coopenv.cli.environments import RECORDED, Environment, environments_of
 from coopenv.cli.policies import find_policy, labels
 from coopenv.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from coopenv.agents.evaluate import Evaluation
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluate:
-    """Compare policies on the same held-out episodes."""
+    """Compare policies on the same held-out episodes.
+
+    Each trained policy is evaluated in the environment that its file records, with what the options
+    of the environment change; random and scripted in that of the first trained one.
+    """
 
     policies: tuple[str, ...]
     """Files of trained policies, random, scripted, or scripted:nonsqueezing and the like."""
-    environment: EnvironmentChoice = field(default_factory=EnvironmentChoice)
+    environment: EnvironmentChoice = field(default_factory=lambda: EnvironmentChoice(env=RECORDED))
     episodes: int = 500
     """How many, the same for every policy."""
     seed: int = 0
@@ -23,42 +35,55 @@ class Evaluate:
     """Episodes run side by side."""
     out: Path | None = None
     """File for the table, .csv or .json."""
+    trust: tuple[str, ...] = ()
+    """Modules of your own that recorded environments may import, rewards of yours for example."""
 
     def run(self) -> None:
         """Evaluate and print the table."""
         from rich.console import Console
 
-        from coopenv.agents.evaluate import compare, save, table
+        from coopenv.agents.evaluate import save, table
 
         if not self.policies:
             raise InvalidInput(
                 "policies must name at least one, got none; for example: coopenv evaluate scripted"
             )
-        environment = self._environment()
-        config = environment.config()
-        policies = {
-            label: find_policy(name, config)
-            for label, name in zip(labels(self.policies), self.policies, strict=True)
-        }
-        console = Console()
-        with console.status(f"evaluating on {self.episodes} held-out episodes"):
-            seen = compare(
-                policies,
-                config,
-                episodes=self.episodes,
-                seed=self.seed,
-                num_worlds=self.num_worlds,
-            )
-        console.print(table(seen, f"{environment.env}, {self.episodes} episodes"))
+        named = dict(zip(labels(self.policies), self.policies, strict=True))
+        console, errors = Console(), Console(stderr=True)
+        places, notes = environments_of(named, self.environment, self.trust)
+        title = self._title(places)
+        for note in notes:
+            errors.print(note, markup=False)
+        seen = self._seen(named, places, console)
+        console.print(table(seen, title))
         if self.out is not None:
             save(seen, self.out)
 
-    def _environment(self) -> EnvironmentChoice:
-        """What was asked for; if nothing was, what the first trained policy was trained in."""
-        if self.environment != EnvironmentChoice():
-            return self.environment
-        for name in self.policies:
-            beside = Path(name).with_name("config.json")
-            if name.endswith(".zip") and beside.exists():
-                return TrainConfig.load(beside).environment
-        return self.environment
+    def _seen(
+        self, named: Mapping[str, str], places: Mapping[str, Environment], console: "Console"
+    ) -> "list[Evaluation]":
+        from coopenv.agents.evaluate import evaluate
+
+        policies = {label: find_policy(name, places[label].config) for label, name in named.items()}
+        with console.status(f"evaluating on {self.episodes} held-out episodes"):
+            return [
+                evaluate(
+                    policy,
+                    places[label].config,
+                    episodes=self.episodes,
+                    seed=self.seed,
+                    num_worlds=self.num_worlds,
+                    name=label,
+                )
+                for label, policy in policies.items()
+            ]
+
+    def _title(self, places: Mapping[str, Environment]) -> str:
+        """Environments, what they have other than their ids' defaults, and the episodes."""
+        groups: dict[str, list[str]] = {}
+        for label, place in places.items():
+            groups.setdefault(place.title(self.trust), []).append(label)
+        if len(groups) == 1:
+            return f"{next(iter(groups))}, {self.episodes} episodes"
+        lines = [f"{', '.join(group)}: {title}" for title, group in groups.items()]
+        return "\n".join([*lines, f"{self.episodes} episodes each"])

@@ -1,0 +1,81 @@
+"""Differences between two environments in JSON: the dotted names of their parts, and in words."""
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from coopenv.config import TransportConfig
+from coopenv.rewards import PRESETS, find_reward
+
+from .partners import PARTNERS
+
+Change = tuple[str, Any, Any]
+"""Dotted name of a part, such as ``environment.reward.progress.weight``, and its two values;
+``None`` where it is missing."""
+
+
+def changes(one: Any, other: Any, path: str = "") -> Iterator[Change]:
+    """The parts in which two JSON values differ, as deep as both have them.
+
+    Terms of a reward are known by their names, in whatever order.
+    """
+    one, other = _by_name(one), _by_name(other)
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        if one.get("kind") == other.get("kind"):
+            for name in dict.fromkeys((*one, *other)):
+                yield from changes(one.get(name), other.get(name), f"{path}.{name}".lstrip("."))
+            return
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for number, (mine, theirs) in enumerate(zip(one, other, strict=True)):
+            yield from changes(mine, theirs, f"{path}[{number}]")
+        return
+    if one != other:
+        yield path, one, other
+
+
+def differences(one: Any, other: Any) -> list[str]:
+    """Dotted names of the parts in which two JSON values differ."""
+    return [name for name, _, _ in changes(one, other)]
+
+
+def described(config: TransportConfig, default: TransportConfig) -> list[str]:
+    """What a configuration has other than ``default``, a few words for each part."""
+    now, then = (json.loads(one.to_json()) for one in (config, default))
+    words = []
+    for field in now:
+        if now[field] == then[field]:
+            continue
+        name = _known_name(field, config)
+        if name:
+            words.append(f"{field} {name}")
+        elif field == "observe":
+            words.append(f"observe {' '.join(map(_short, now[field]))}")
+        else:
+            found = changes(then[field], now[field], field)
+            words += [f"{part} {_short(value)}" for part, _, value in found]
+    return words
+
+
+def _by_name(value: Any) -> Any:
+    """The terms of a reward as an object, so that one that is added moves no other."""
+    if isinstance(value, Mapping) and value.get("kind") == "coopenv.rewards.RewardSum":
+        return {entry["name"]: entry["term"] for entry in value["terms"]}
+    return value
+
+
+def _known_name(field: str, config: TransportConfig) -> str | None:
+    """What the field's value is called where names are given, if it is one of those."""
+    if field == "reward":
+        return next((name for name in PRESETS if find_reward(name) == config.reward), None)
+    if field == "partner":
+        return next((name for name, kind in PARTNERS.items() if kind == config.partner), None)
+    return None
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, Mapping):
+        kind = str(value.get("kind", "")).rpartition(".")[2]
+        return str(value.get("name", kind)) or "other"
+    if isinstance(value, list):
+        return "other" if any(isinstance(entry, Mapping | list) for entry in value) else str(value)
+    return "none" if value is None else str(value)

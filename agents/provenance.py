@@ -1,0 +1,156 @@
+"""Provenance of a trained policy: its environment, settings, versions and command, as JSON.
+
+It is kept in the file of a policy, beside the entries of Stable-Baselines3, so that what is asked
+of the file later does not depend on the folder it lies in.
+"""
+
+import json
+import os
+import platform
+import sys
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Self
+
+from coopenv.config import TransportConfig
+from coopenv.errors import CoopenvError, InvalidInput
+
+from .differences import differences
+from .settings import TrainConfig
+
+NOTES = "coopenv.json"  # in the file, beside the entries of Stable-Baselines3
+KEY, FORMAT = "provenance", 1  # in the notes; raised when one of before would mean something else
+PACKAGES = ("coopenv", "numpy", "torch", "stable-baselines3", "pymunk")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provenance:
+    """Where a policy comes from; plain JSON values."""
+
+    environment: dict[str, Any]
+    """All of the environment: `TransportConfig.to_json`."""
+    training: dict[str, Any]
+    """Settings of the run: `TrainConfig.to_dict`."""
+    versions: dict[str, str]
+    """Of Python and of what computed the run."""
+    command: list[str]
+    """Program and arguments of the process."""
+
+    @classmethod
+    def of(cls, training: TrainConfig, environment: TransportConfig) -> Self:
+        """That of a run which begins now.
+
+        Raises
+        ------
+        InvalidInput
+            If something in the environment cannot be written; the message says what to do.
+        """
+        try:
+            text = environment.to_json()
+        except CoopenvError as error:
+            raise InvalidInput(
+                f"environment must be one that the run's folder can hold: {error}"
+            ) from error
+        return cls(
+            environment=json.loads(text),
+            training=training.to_dict(),
+            versions=versions(),
+            command=_command(),
+        )
+
+    @classmethod
+    def from_notes(cls, notes: Mapping[str, Any]) -> Self | None:
+        """What `to_notes` wrote; ``None`` if the notes say nothing of it.
+
+        Raises
+        ------
+        InvalidInput
+            If it is of another format.
+        """
+        given = notes.get(KEY)
+        if given is None:
+            return None
+        names = {"format", *(entry.name for entry in fields(cls))}
+        if not isinstance(given, Mapping) or given.get("format") != FORMAT or set(given) != names:
+            raise InvalidInput(
+                f"{KEY} in {NOTES} must be of format {FORMAT}, got {given!r:.80}; read it with the "
+                "coopenv that wrote it, or a newer one"
+            )
+        return cls(**{name: value for name, value in given.items() if name != "format"})
+
+    @classmethod
+    def read(cls, path: str | os.PathLike) -> Self | None:
+        """That of a policy's file; ``None`` if the file does not say.
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be read, or is of another format.
+        """
+        try:
+            with zipfile.ZipFile(Path(path)) as archive:
+                if NOTES not in archive.namelist():
+                    return None
+                notes = json.loads(archive.read(NOTES))
+        except (zipfile.BadZipFile, OSError, ValueError) as error:
+            raise InvalidInput(
+                f"policy must be a file that can be read, got {os.fspath(path)!r} ({error}); copy "
+                "it again or give another"
+            ) from error
+        return cls.from_notes(notes) if isinstance(notes, dict) else None
+
+    def to_notes(self) -> dict[str, Any]:
+        """An entry for `NOTES`."""
+        return {KEY: {"format": FORMAT, **asdict(self)}}
+
+    def config(self, *, trust: bool | tuple[str, ...] = False) -> TransportConfig:
+        """The environment; ``trust`` as in `TransportConfig.from_json`.
+
+        Raises
+        ------
+        InvalidInput, UnknownName
+            If it holds code of somebody's own that is not trusted, or not what it was.
+        """
+        return TransportConfig.from_json(json.dumps(self.environment), trust=trust)
+
+    @property
+    def env(self) -> str:
+        """The Gymnasium id that was named."""
+        return self.training["environment"]["env"]
+
+    def differences(self, other: Self) -> list[str]:
+        """Dotted names of what keeps one run from going on from the other's checkpoint."""
+        return differences(self._identity(), other._identity())
+
+    def other_versions(self) -> list[str]:
+        """What has another version now, in words."""
+        now = versions()
+        return [
+            f"{name} {then} (now {now.get(name, 'missing')})"
+            for name, then in self.versions.items()
+            if now.get(name) != then
+        ]
+
+    def _identity(self) -> dict[str, Any]:
+        settings = TrainConfig.from_dict(self.training).identity()
+        return {**settings, "environment": self.environment}
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages whose code makes a run what it is."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # coopenv itself, run from its sources
+            found[name] = "unknown"
+    return found
+
+
+def _command() -> list[str]:
+    program = Path(sys.argv[0])
+    name = program.parent.name if program.name == "__main__.py" else program.name  # python -m
+    return [name, *sys.argv[1:]]

@@ -1,0 +1,90 @@
+"""Environments of an evaluation: what each policy's file records, with what the options change."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
+from coopenv.config import TransportConfig
+from coopenv.errors import CoopenvError
+
+RECORDED = "recorded"  # instead of an id: the environment that a policy was trained in
+
+
+@dataclass(frozen=True)
+class Environment:
+    """An environment and the id it began from."""
+
+    env: str
+    config: TransportConfig
+
+    def title(self, trust: tuple[str, ...] = ()) -> str:
+        """The id, and in words what is not its default.
+
+        The id may come from a file: the module before its colon is imported only if it is one that
+        is trusted.
+        """
+        from coopenv.agents.differences import described
+
+        module, _, name = self.env.rpartition(":")
+        try:
+            default = find_config(self.env if module in trust else name, {})
+        except CoopenvError:
+            return f"{self.env}, which is not registered here"
+        others = described(self.config, default)
+        return f"{self.env} with {', '.join(others)}" if others else self.env
+
+
+def environments_of(
+    named: Mapping[str, str], choice: EnvironmentChoice, trust: tuple[str, ...] = ()
+) -> tuple[dict[str, Environment], list[str]]:
+    """The environment of each policy, and what there is to say about them.
+
+    Parameters
+    ----------
+    named
+        Label → name of a policy: a file, ``random`` or ``scripted``.
+    choice
+        Options of the command line; with an id they are the whole environment, else they change
+        what is recorded.
+    trust
+        Modules of the user's own that a record may import.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        If a record cannot be read, or the options do not go with it.
+    """
+    if choice.env != RECORDED:
+        return dict.fromkeys(named, Environment(choice.env, choice.config())), []
+    found: dict[str, Environment] = {}
+    notes: list[str] = []
+    for label, name in named.items():
+        if Path(name).is_file():
+            environment, note = _recorded(Path(name), trust)
+            found[label] = replace(environment, config=choice.over(environment.config))
+            notes += note
+    default = EnvironmentChoice().env
+    others = next(iter(found.values()), None) or Environment(
+        default, choice.over(find_config(default, {}))
+    )
+    return {label: found.get(label, others) for label in named}, notes
+
+
+def _recorded(path: Path, trust: tuple[str, ...]) -> tuple[Environment, list[str]]:
+    """What a policy's file records; without a record, what the settings beside it name."""
+    from coopenv.agents.provenance import Provenance
+
+    provenance = Provenance.read(path)
+    if provenance is not None:
+        others = provenance.other_versions()
+        notes = [f"{path} was trained with {', '.join(others)}"] if others else []
+        return Environment(provenance.env, provenance.config(trust=trust)), notes
+    beside = path.with_name("config.json")
+    choice = TrainConfig.load(beside).environment if beside.is_file() else EnvironmentChoice()
+    source = f"which {beside} names" if beside.is_file() else "the default"
+    note = (
+        f"{path} does not say which environment it was trained in; it is evaluated in "
+        f"{choice.env}, {source}; --env and the other options choose another"
+    )
+    return Environment(choice.env, choice.config()), [note]
