@@ -23,11 +23,12 @@ PANELS = {
     "disagreement": {
         "internal_force_level": "F_I [N]",
         "internal_torque_level": "T_I [N·m]",
+        "wasted_cost": "wasted cost [N]",
     },
     "unevenness of the load": {"load_imbalance": "0: alike, 1: one carries all"},
 }
 
-STYLES = ("-", "--")  # of the quantities that share a panel
+STYLES = ("-", "--", ":")  # of the quantities that share a panel
 
 
 def save_rows(rows: Sequence[Row], path: str | os.PathLike) -> None:

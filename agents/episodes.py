@@ -22,6 +22,7 @@ class Episodes:
     length: IntArray  # (episode,) control steps
     success: BoolArray  # (episode,)
     relative_cost: FloatArray  # (episode,): γ
+    wasted_cost: FloatArray  # (episode,): J(h) − J(h_M) [N]
     internal_force_level: FloatArray  # (episode,): F_I [N]
     internal_torque_level: FloatArray  # (episode,): T_I [N·m]
     force_load_share: FloatArray  # (episode, agent)
@@ -57,7 +58,7 @@ def _arrays(kind: type[Episodes]) -> list[str]:
     return [entry.name for entry in fields(kind) if entry.name != "reward_terms"]
 
 
-_MEANS = ("relative_cost", "internal_force_level", "internal_torque_level")
+_MEANS = ("relative_cost", "wasted_cost", "internal_force_level", "internal_torque_level")
 
 
 class EpisodeSums:

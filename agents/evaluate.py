@@ -52,6 +52,7 @@ class Evaluation:
     success_time: float  # [s], of the successful episodes; NaN where there is none
     reward: float  # return of an episode, undiscounted, mean over the team
     relative_cost: float  # γ
+    wasted_cost: float  # J(h) − J(h_M) [N]
     internal_force_level: float  # F_I [N]
     internal_torque_level: float  # T_I [N·m]
     force_load_share: tuple[float, ...]  # one an agent
@@ -73,6 +74,7 @@ class Evaluation:
             success_time=float(times.mean()) if successes else nan,
             reward=float(seen.reward.mean()),
             relative_cost=float(seen.relative_cost.mean()),
+            wasted_cost=float(seen.wasted_cost.mean()),
             internal_force_level=float(seen.internal_force_level.mean()),
             internal_torque_level=float(seen.internal_torque_level.mean()),
             force_load_share=_defined_means(seen.force_load_share),

@@ -213,6 +213,7 @@ def _statistics(ended: Episodes, number: int, agents: slice) -> dict[str, float]
         "r": float(ended.reward[number, agents].mean()),
         "l": int(ended.length[number]),
         "relative_cost": float(ended.relative_cost[number]),
+        "wasted_cost": float(ended.wasted_cost[number]),
         "internal_force_level": float(ended.internal_force_level[number]),
         "internal_torque_level": float(ended.internal_torque_level[number]),
         "load_imbalance": float(ended.load_imbalance[number]),

@@ -31,16 +31,17 @@ class Leader(ImpedanceController):
 
 
 def alone(config, policy, seed):
-    """Success, length and mean γ of one episode, run by itself."""
+    """Success, length, mean γ and mean wasted cost of one episode, run by itself."""
     core = Transport(num_worlds=1, config=config)
     obs, _ = core.reset(seed=seed)
-    costs = []
+    costs, wasted = [], []
     while True:
         assert core.transition is not None
         obs, _, terminated, truncated, info = core.step(policy(obs, core.transition))
         costs.append(info["relative_cost"][0])
+        wasted.append(info["wasted_cost"][0])
         if terminated[0] or truncated[0]:
-            return bool(terminated[0]), len(costs), float(np.mean(costs))
+            return bool(terminated[0]), len(costs), float(np.mean(costs)), float(np.mean(wasted))
 
 
 def test_every_seed_is_one_episode_whatever_its_length():
@@ -49,10 +50,11 @@ def test_every_seed_is_one_episode_whatever_its_length():
     assert len(set(seen.length.tolist())) > 3
     assert 0 < seen.success.mean() < 1
     for k in (0, 7, 13, 24):
-        success, length, cost = alone(SHORT, Leader(), evaluation_seeds(1, 25)[k])
+        success, length, cost, wasted = alone(SHORT, Leader(), evaluation_seeds(1, 25)[k])
         assert seen.success[k] == success
         assert seen.length[k] == length
         assert seen.relative_cost[k] == pytest.approx(cost, abs=1e-9)
+        assert seen.wasted_cost[k] == pytest.approx(wasted, abs=1e-9)
 
 
 def test_the_number_of_worlds_changes_nothing():
@@ -162,13 +164,16 @@ def test_the_table_has_a_row_a_policy():
 
 
 def test_results_are_saved_as_csv_and_json(tmp_path):
-    seen = compare({"still": Leader(), "other": Leader()}, TransportConfig(horizon=2), episodes=3)
+    seen = compare(
+        {"still": Leader(), "other": RandomPolicy(SHORT)}, TransportConfig(horizon=2), episodes=3
+    )
     save(seen, tmp_path / "deep" / "table.csv")
     save(seen, tmp_path / "deep" / "table.json")
     with (tmp_path / "deep" / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["policy"] for row in rows] == ["still", "other"]
     assert float(rows[0]["relative_cost"]) == seen[0].relative_cost
+    assert float(rows[1]["wasted_cost"]) == seen[1].wasted_cost > 0
     assert {"force_load_share_0", "force_load_share_1"} <= rows[0].keys()
     loaded = json.loads((tmp_path / "deep" / "table.json").read_text())
     assert loaded[0]["success_time"] is None  # NaN is no JSON

@@ -15,6 +15,7 @@ import torch
 from stable_baselines3 import PPO
 
 from coopenv import TransportConfig
+from coopenv.agents.curves import PANELS
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.partners import Stubborn
 from coopenv.agents.seeds import HELD_OUT, training_seeds
@@ -43,6 +44,8 @@ def test_a_run_leaves_policy_configuration_curves_and_logs(tmp_path):
     assert {"success", "reward", "relative_cost", "load_imbalance", "internal_force_level"} <= set(
         rows[0]
     )
+    assert {name for panel in PANELS.values() for name in panel} <= set(rows[0])
+    assert any("wasted_cost" in panel for panel in PANELS.values())
     assert {"reward/progress", "reward/relative_cost"} <= set(rows[0])
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"policy.zip", "config.json", "curves.csv", "curves.png", "tensorboard"}
