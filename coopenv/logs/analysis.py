@@ -22,6 +22,7 @@ RESULTS = (  # name, unit, meaning
     ("`internal_force_level`", "N", "F_I = ½ Σ‖f_I,i‖ (eq. 28)"),
     ("`internal_torque_level`", "N·m", "T_I = ½ Σ‖r_i × f_I,i + t_I,i‖ (eq. 28)"),
     ("`relative_cost`", "", "γ = 1 − J(h_M)/J(h): the part that was compensated (eq. 29)"),
+    ("`wasted_cost`", "N", "J(h) − J(h_M): the cost that was compensated"),
     ("`force_load_share_1` …", "", "part of the resultant force that each supplies (eq. 25)"),
     ("`torque_load_share_1` …", "", "the same of the torque (eq. 25)"),
     ("`energy_share_1` …", "", "part of the object's power that each supplies (eq. 26)"),
@@ -133,6 +134,7 @@ def _results(split: Decomposition, twist: FloatArray | None) -> dict[str, Column
     columns["internal_force_level"] = split.internal_force_level
     columns["internal_torque_level"] = split.internal_torque_level
     columns["relative_cost"] = split.relative_cost
+    columns["wasted_cost"] = split.wasted_cost
     shares = {
         "force_load_share": split.load_share.force,
         "torque_load_share": split.load_share.torque,

@@ -108,7 +108,11 @@ def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
     made.append(Panel("force load share", _shares("force_load_share", num_effectors), True))
     made.append(Panel("torque load share", _shares("torque_load_share", num_effectors), True))
     made.append(Panel("relative cost γ", [Curve("", ("relative_cost",), "C3")], True))
-    costs = [Curve("J(h), applied", ("applied_cost",), "0.5"), Curve("J(h_M)", ("cost",), "C3")]
+    costs = [
+        Curve("J(h), applied", ("applied_cost",), "0.5"),
+        Curve("J(h_M)", ("cost",), "C3"),
+        Curve("wasted", ("wasted_cost",), "C0"),
+    ]
     made.append(Panel("cost [N]", costs))
     if twist:
         made.append(Panel("energy share", _shares("energy_share", num_effectors), True))

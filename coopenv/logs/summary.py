@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 SAMPLE = 1 << 18  # values from which percentiles are taken; more rows are thinned evenly
 MEASURES = (  # columns, all those that begin with the name; unit
     ("relative_cost", ""),
+    ("wasted_cost", "N"),
     ("internal_force_level", "N"),
     ("internal_torque_level", "N·m"),
     ("force_load_share", ""),

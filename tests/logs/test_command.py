@@ -37,8 +37,8 @@ def test_it_prints_a_summary_and_leaves_table_and_picture(tmp_path, capsys):
     assert run("decompose", path, *options) == 0
     printed = capsys.readouterr().out
     for word in ("40 rows, 2 trials, 0.380 s", "optimal by pair", "balance", "0 fallbacks",
-                 "relative_cost", "internal_force_level [N]", "energy_share_2", "median",
-                 "undefined", "trial.decomposed.csv"):  # fmt: skip
+                 "relative_cost", "wasted_cost [N]", "internal_force_level [N]", "energy_share_2",
+                 "median", "undefined", "trial.decomposed.csv"):  # fmt: skip
         assert word in printed
     table = cases.load(tmp_path / "trial.decomposed.csv")
     np.testing.assert_allclose(table["f1x"], cases.planar()["f1x"])

@@ -38,6 +38,7 @@ def test_every_format_holds_what_decompose_says(suffix, out, tmp_path):
         "internal_force_level": split.internal_force_level,
         "internal_torque_level": split.internal_torque_level,
         "relative_cost": split.relative_cost,
+        "wasted_cost": split.wasted_cost,
         "force_load_share_2": split.load_share.force[:, 1],
         "torque_load_share_1": split.load_share.torque[:, 0],
         "energy_share_1": energy.total[:, 0],
