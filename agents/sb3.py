@@ -62,8 +62,8 @@ def make_vec_env(
         ``"joint"``: one policy moves the whole team; a row is a world. ``"shared"``: every agent
         runs the same policy on what it sees itself; a row is an agent. ``"partner"``: somebody
         else drives all agents but one (``partner=``, by default
-        `coopenv.agents.partners.DEFAULT`); a row is a world. Agents that a partner drives have no
-        part in any of the three.
+        `coopenv.agents.partners.default_partner`); a row is a world. Agents that a partner drives
+        have no part in any of the three.
     seed
         World k is seeded with ``seed + k`` at the first reset.
     render_mode

@@ -35,8 +35,9 @@ class EnvironmentChoice:
     horizon: int | None = None
     """Control steps after which an episode is truncated."""
     partner: str | None = None
-    """Who drives the last agent: impedance, leader, follower, lagging, noisy, stubborn,
-    load_sharing, switching, population (coopenv.agents.partners)."""
+    """Who drives the last agent of a beam, or the human of a walker: impedance, leader, follower,
+    lagging, noisy, stubborn, load_sharing, switching, population, walking, robot
+    (coopenv.agents.partners)."""
 
     def config(self) -> TransportConfig:
         """The environment's whole configuration.
@@ -86,7 +87,8 @@ class TrainConfig:
     environment: EnvironmentChoice = field(default_factory=EnvironmentChoice)
     control: Literal["joint", "shared", "partner"] = "joint"
     """One policy for the whole team, the same policy for every agent, or a policy for the one agent
-    that is left beside a partner (environment.partner; impedance if none is named)."""
+    that is left beside a partner (environment.partner; if none is named, impedance, and in a walker
+    walking)."""
     seed: int = 0
     """Number of the run; no two runs share an episode (coopenv.agents.seeds)."""
     steps: int = 600_000
@@ -148,7 +150,8 @@ class TrainConfig:
             _set(self, "hidden", tuple(self.hidden))
             _set(self, "out", Path(self.out))
         if self.control == "partner" and self.environment.partner is None:
-            partnered = replace(self.environment, partner=partners.DEFAULT)
+            name = partners.default_partner(self.environment.config())
+            partnered = replace(self.environment, partner=name)
             object.__setattr__(self, "environment", partnered)
 
     def to_dict(self) -> dict[str, Any]:

@@ -198,7 +198,7 @@ class TransportVecEnv(VecEnv):
 def _with_partner(config: TransportConfig) -> TransportConfig:
     """The configuration, with the default partner where it has none; one agent is left to learn."""
     if config.partner is None:
-        config = replace(config, partner=partners.DEFAULT)
+        config = replace(config, partner=partners.default_partner(config))
     if len(config.learners) > 1:
         raise InvalidInput(
             f"partner_agents must leave one agent to learn for control='partner', got "

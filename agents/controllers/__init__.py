@@ -6,7 +6,7 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.tasks import DoorwayTask, RollingTask, TrackingTask
 
-from ..policy import Policy, RandomPolicy
+from ..policy import RandomPolicy
 from .doorway import DoorwayController
 from .impedance import Gains, ImpedanceController, approach, wrapped
 from .tracking import TrackingController
@@ -33,7 +33,9 @@ CONTROLLERS: dict[type, type[ImpedanceController] | type[WalkerController]] = {
 }
 
 
-def find_controller(config: TransportConfig, **options: Any) -> Policy:
+def find_controller(
+    config: TransportConfig, **options: Any
+) -> ImpedanceController | WalkerController:
     """The scripted controller for the task of ``config``; ``options`` are the controller's own.
 
     Raises

@@ -26,6 +26,9 @@ class TrackingController(ImpedanceController):
         soon = task.motion(conditions.plan, state.time + transition.dt / 2)
         error = now[:, :3] - state.pose
         error[:, 2] = wrapped(error[:, 2])
+        own = state.goal - now[:, :3]  # of who is led beside the reference, as partners may be
+        own[:, 2] = wrapped(state.goal[:, 2] - wrapped(now[:, 2]))  # so that none is exactly zero
+        error += own
         bound = np.array([self.gains.speed, self.gains.speed, self.gains.spin])
         correction = np.clip(self.gains.approach * error, -bound, bound)
         return now[:, 3:6] + correction, soon[:, 6:9]

@@ -142,18 +142,50 @@ class WalkerController:
         """The agents' wrenches ``(world, agent, 3)`` [N, N·m], object frame, before any limit."""
         team = transition.team
         force, torque = self.object_wrench(transition)
-        applied = np.zeros((len(force), team.num_agents, 3))
-        applied[:, 0, 0] = force
-        if self._width == 3:
-            applied[:, -1, 2] = torque
-        else:
-            applied[:, 0, 1] = torque / team.grips[:, 0, 0]
+        applied = self._shared(force, torque, team.grips)
         if self._drive is not None:
             applied[:, self._drive.agent, 0] += self._drive(transition)
         return applied
 
+    def parts(self, grips: FloatArray) -> FloatArray:
+        """Each agent's part ``(world, agent, 3, 3)`` of an object wrench, for these ``grips``.
+
+        What acts across the wheels is nobody's.
+        """
+        none, all_of_it = np.zeros(len(grips)), np.ones(len(grips))
+        parts = np.zeros((*grips.shape[:2], 3, 3))
+        parts[..., 0] = self._shared(all_of_it, none, grips)
+        parts[..., 2] = self._shared(none, all_of_it, grips)
+        return parts
+
+    def _shared(self, force: FloatArray, torque: FloatArray, grips: FloatArray) -> FloatArray:
+        """Wrenches ``(world, agent, 3)`` that make force along x and torque on the body."""
+        applied = np.zeros((*grips.shape[:2], 3))
+        applied[:, 0, 0] = force
+        if self._width == 3:
+            applied[:, -1, 2] = torque
+        else:
+            applied[:, 0, 1] = torque / grips[:, 0, 0]
+        return applied
+
     def object_wrench(self, transition: Transition) -> tuple[FloatArray, FloatArray]:
         """Force along x [N] and torque [N·m] that the body needs, ``(world,)`` each."""
+        state, load, gains = transition.next_state, transition.conditions.load, self.gains
+        wanted = self._led(transition)
+        c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
+        speed, spin = rotated_back(c, s, *state.twist[:, :2].T)[0], state.twist[:, 2]
+        force = load.mass * gains.damping * (wanted[:, 0] - speed) + load.linear_drag * speed
+        turning = load.inertia * gains.damping * (wanted[:, 1] - spin)
+        return force, turning + load.angular_drag * wanted[:, 1]
+
+    def wanted_motion(self, transition: Transition) -> tuple[FloatArray, float]:
+        """Twist ``(world, 3)`` [m/s, rad/s] and acceleration to aim for, world frame."""
+        wanted, angle = self._led(transition), transition.next_state.pose[:, 2]
+        along, spin = wanted.T
+        return np.stack([along * np.cos(angle), along * np.sin(angle), spin], axis=-1), 0.0
+
+    def _led(self, transition: Transition) -> FloatArray:
+        """Forward speed and spin to aim for, ``(world, 2)`` [m/s, rad/s]."""
         state, conditions, gains = transition.next_state, transition.conditions, self.gains
         load, room = conditions.load, conditions.room
         radius = np.linalg.norm(load.outline, axis=2).max(axis=1) + gains.margin
@@ -162,12 +194,7 @@ class WalkerController:
             gains.approach, gains.speed, gains.braking, gains.heading, gains.arrival, gains.near
         )
         spins = self._spins(transition)
-        wanted = _wanted(state.pose, state.goal, stop, way[:, 0], spins, leading)
-        c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
-        speed, spin = rotated_back(c, s, *state.twist[:, :2].T)[0], state.twist[:, 2]
-        force = load.mass * gains.damping * (wanted[:, 0] - speed) + load.linear_drag * speed
-        turning = load.inertia * gains.damping * (wanted[:, 1] - spin)
-        return force, turning + load.angular_drag * wanted[:, 1]
+        return _wanted(state.pose, state.goal, stop, way[:, 0], spins, leading)
 
     def _spins(self, transition: Transition) -> FloatArray:
         """How fast each body is to turn at most, ``(world,)`` [rad/s]."""

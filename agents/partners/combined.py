@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive, whole
+from coopenv.arrays import FloatArray, finite_array, positive
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 
 from . import traits
 from .kinds import Follower, Impedance, Leader, LoadSharing, Stubborn
 from .person import Kind
-from .traits import Span, checked_span, drawn, highest
+from .traits import Span, Steps, checked_span, checked_steps, drawn, drawn_steps, highest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,13 +20,11 @@ class Lagging(Kind):
     """Somebody else, but late: what it does was right ``delay`` control steps ago."""
 
     partner: Kind = field(default_factory=Impedance)
-    delay: int | tuple[int, int] = 2  # [control steps], or drawn between two in every episode
+    delay: Steps = 2  # [control steps], or drawn between two in every episode
 
     def __post_init__(self) -> None:
         _kind(self.partner, "partner.partner")
-        checked_span(self.delay, "partner.delay")
-        for end in self.delay if isinstance(self.delay, Sequence) else (self.delay,):
-            whole(end, "partner.delay", at_least=0)
+        object.__setattr__(self, "delay", checked_steps(self.delay, "partner.delay"))
 
     @property
     def longest_delay(self) -> int:
@@ -35,9 +33,8 @@ class Lagging(Kind):
 
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""
-        low, high = self.delay if isinstance(self.delay, Sequence) else (self.delay, self.delay)
         rows = self.partner.traits(chance.branch("lagging"))
-        rows[..., traits.DELAY] += np.floor(drawn((low, high + 1), chance, "delay"))[:, None]
+        rows[..., traits.DELAY] += drawn_steps(self.delay, chance, "delay")[:, None]
         return rows
 
 

@@ -38,6 +38,7 @@ from .traits import (
     STAY,
     STRENGTH,
     TORQUE_NOISE,
+    WALKS,
 )
 
 _SWITCH, _NOISE = np.uint64(0), np.uint64(1)  # which of a step's random numbers
@@ -61,6 +62,7 @@ class Seen(NamedTuple):
     twist: FloatArray  # (world, 3) [m/s, rad/s]
     twist_before: FloatArray  # (world, 3) at the last step's begin
     goal: FloatArray  # (world, 3) [m, rad]
+    ahead: FloatArray  # (world, 3) where who walks wants the object next, on the way to its plan
     applied: FloatArray  # (world, agent, 3) in the last step, object frame [N, N·m]
 
 
@@ -83,6 +85,7 @@ class Held(NamedTuple):
     frame: FloatArray
     limits: FloatArray
     allocation: FloatArray  # (world, agent, 3, 3), each agent's part of an object wrench
+    parts_on_way: FloatArray  # (world, agent, 3, 3) likewise, where somebody walks
     driven: IntArray  # (driven,) numbers of the agents that are driven
 
 
@@ -102,9 +105,9 @@ def act(mind, seen, carried, team, dt):
     """
     # Taken apart once: a field that is read inside the loop costs a count of references each time
     traits, keys, now, steps, wanted_twist, given = mind
-    pose, twist, twist_before, goal, applied = seen
+    pose, twist, twist_before, goal, ahead, applied = seen
     mass, inertia, linear_drag, angular_drag, outline, reach, room = carried
-    grips, frame, limits, allocation, driven = team
+    grips, frame, limits, allocation, parts_on_way, driven = team
     out, parts = np.empty((len(traits), len(driven), 3)), np.empty((grips.shape[1], 3))
     for k in range(len(traits)):
         draw = mixed(keys[k], np.uint64(steps[k]))
@@ -114,10 +117,11 @@ def act(mind, seen, carried, team, dt):
         here, moving, before = triple(pose, k), triple(twist, k), triple(twist_before, k)
 
         # What the object is to be given
-        wanted = moving
-        if role == PLANS:
+        wanted, walks = moving, role == WALKS
+        if walks or role == PLANS:
+            to = triple(ahead, k) if walks else _plan(traits, k, n, goal)
             wrench = object_wrench(
-                _gains(traits, k, n), here, moving, _plan(traits, k, n, goal), load,
+                _gains(traits, k, n), here, moving, to, load,
                 (room[k, 0], room[k, 1]), Outline(outline, k, reach[k]),
             )  # fmt: skip
             wrench = _scaled(wrench, traits[k, n, STRENGTH])
@@ -136,7 +140,8 @@ def act(mind, seen, carried, team, dt):
             each = _scaled(wrench, share / (1 - share) / len(driven))
             _carry(each, grips, driven, given, k, slot)
         else:
-            largest = _part(wrench, allocation, frame, limits, parts, k)
+            shares = parts_on_way if walks else allocation
+            largest = _part(wrench, shares, frame, limits, parts, k)
             _give(parts, largest, driven, given, k, slot)
 
         # An unsteady hand, and a late one

@@ -10,7 +10,7 @@ from coopenv.chance import Chance
 from ..controllers.guidance import NUM_GAINS, Gains, gains_row
 from . import traits
 from .person import Kind
-from .traits import Span, checked_span, drawn, same_twice
+from .traits import Span, checked_span, drawn, own_plan, same_twice
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,7 +22,8 @@ class Impedance(Kind):
     lie in a wall of the room is mirrored to the other side of the goal.
 
     It knows the room's walls, but neither obstacles nor wheels, and heads straight for its plan. In
-    `BeamDoorway` it therefore leads against the wall beside the gap, and it cannot steer a walker.
+    `BeamDoorway` it therefore leads against the wall beside the gap, and it cannot steer a walker;
+    `Walking` knows the way.
 
     With no offset it does what one hand of `coopenv.agents.controllers.ImpedanceController` does.
     Whatever it feels changes nothing.
@@ -41,16 +42,11 @@ class Impedance(Kind):
 
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""
-        away = drawn(self.offset, chance, "offset")
-        direction = 2 * np.pi * chance.uniform("bearing")
-        side = np.where(chance.uniform("side") < 0.5, -1.0, 1.0)
         rows = same_twice(
             len(chance),
             role=traits.PLANS,
-            away_x=away * np.cos(direction),
-            away_y=away * np.sin(direction),
-            away_turn=side * drawn(self.turn, chance, "turn"),
             strength=self.strength,
+            **own_plan(self.offset, self.turn, chance),
         )
         rows[..., traits.GAINS : traits.GAINS + NUM_GAINS] = gains_row(self.gains)
         return rows

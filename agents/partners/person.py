@@ -15,6 +15,7 @@ from coopenv.wrench.grasp import grasp_matrix
 
 from . import traits
 from .hands import Mind, act
+from .way import Way
 
 _AWAY = slice(traits.AWAY_X, traits.AWAY_TURN + 1)
 
@@ -56,7 +57,7 @@ class Person:
     def __init__(
         self, what: Kind, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ):
-        self.what, self._dt = what, config.dt
+        self.what, self._config, self._dt = what, config, config.dt
         self._width, self._driven = ACTIONS[config.action], np.array(agents)
         self._mind = Mind(
             traits=np.zeros((num_worlds, 2, traits.NUM_TRAITS)),
@@ -69,7 +70,9 @@ class Person:
         self._kind = np.zeros(num_worlds, dtype=np.int64)
         self._grips = np.full((num_worlds, config.num_agents, 2), np.nan)
         self._allocation = np.zeros((num_worlds, config.num_agents, 3, 3))
+        self._parts_on_way = self._allocation
         self._reach = np.zeros(num_worlds)
+        self._way: Way | None = None  # made when first somebody walks
 
     @property
     def kind(self) -> IntArray:
@@ -92,6 +95,10 @@ class Person:
         if not np.array_equal(self._grips[worlds], grips):
             self._grips[worlds] = grips
             self._allocation[worlds] = _allocation(grips, self._width)
+        if self._way is None and (rows[..., traits.ROLE] == traits.WALKS).any():
+            self._way = Way(self._config)
+        if self._way is not None:
+            self._parts_on_way = self._way.parts(self._grips, self._allocation)
 
     def act(self, transition: Transition) -> FloatArray:
         """Wrenches for the next step; see `coopenv.partner.Player`."""
@@ -99,12 +106,18 @@ class Person:
         load, room = transition.conditions.load, transition.conditions.room
         return act(
             tuple(self._mind),
-            (state.pose, state.twist, transition.state.twist, state.goal, transition.applied),
+            (
+                state.pose, state.twist, transition.state.twist, state.goal,
+                self._ahead(transition), transition.applied,
+            ),
             (
                 load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,
                 self._reach, room.size,
             ),
-            (team.grips, team.frame, team.limits, self._allocation, self._driven),
+            (
+                team.grips, team.frame, team.limits, self._allocation, self._parts_on_way,
+                self._driven,
+            ),
             self._dt,
         )  # fmt: skip
 
@@ -112,15 +125,24 @@ class Person:
         """Poses ``(world, 3)`` it wants the object to reach; NaN where it follows."""
         return _plans(self._mind.traits, self._mind.now, transition.next_state.goal)
 
+    def _ahead(self, transition: Transition) -> FloatArray:
+        """Next points ``(world, 3)`` of the ways of those who walk; of others anything."""
+        goal = transition.next_state.goal
+        if self._way is None:
+            return goal
+        plan = self.plan(transition)
+        return self._way.ahead(transition, np.where(np.isnan(plan), goal, plan))
+
 
 @compiled
 def _plans(rows, now, goal):
     plan = np.empty_like(goal)
     for k in range(len(goal)):
         row = rows[k, now[k]]
+        planned = row[traits.ROLE] == traits.PLANS or row[traits.ROLE] == traits.WALKS
         for j in range(3):
             moved = goal[k, j] + row[traits.AWAY_X + j]
-            plan[k, j] = moved if row[traits.ROLE] == traits.PLANS else np.nan
+            plan[k, j] = moved if planned else np.nan
         if row[traits.AWAY_TURN] != 0:  # an unturned goal is kept to the bit
             plan[k, 2] = wrapped(plan[k, 2])
     return plan

@@ -9,11 +9,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, Range, finite_array, number_range
+from coopenv.arrays import FloatArray, Range, finite_array, number_range, whole
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 
 Span: TypeAlias = float | Range  # a number, or drawn between two in every episode
+Steps: TypeAlias = int | tuple[int, int]  # likewise, of control steps, ends included
 
 # Columns of a row
 ROLE = 0  # one of the roles below
@@ -29,7 +30,7 @@ STAY = 17  # [s] mean time until it switches to its other row; 0: never
 KIND = 18  # number of the population's member
 NUM_TRAITS = 19
 
-PLANS, FOLLOWS, SHARES = 0, 1, 2  # roles
+PLANS, FOLLOWS, SHARES, WALKS = 0, 1, 2, 3  # roles
 
 
 def same_twice(count: int, **columns: Any) -> FloatArray:
@@ -59,6 +60,33 @@ def checked_span(value: Any, name: str, *, low: float = 0.0, high: float = np.in
             "change it"
         )
     return number_range(value, name) if ends.ndim else ends.item()
+
+
+def own_plan(offset: Span, turn: Span, chance: Chance) -> dict[str, FloatArray]:
+    """Columns that move a plan off the goal: by ``offset`` anywhere, by ``turn`` to a side."""
+    away = drawn(offset, chance, "offset")
+    direction = 2 * np.pi * chance.uniform("bearing")
+    side = np.where(chance.uniform("side") < 0.5, -1.0, 1.0)
+    return {
+        "away_x": away * np.cos(direction),
+        "away_y": away * np.sin(direction),
+        "away_turn": side * drawn(turn, chance, "turn"),
+    }
+
+
+def drawn_steps(steps: Steps, chance: Chance, name: str) -> FloatArray:
+    """Control steps of each episode, ``(episode,)``, as often as not any of ``steps``."""
+    low, high = steps if isinstance(steps, Sequence) else (steps, steps)
+    return np.floor(drawn((low, high + 1), chance, name))
+
+
+def checked_steps(value: Any, name: str) -> Steps:
+    """``value`` as a whole number or a pair of them, or raise `InvalidInput`."""
+    span = checked_span(value, name)
+    if isinstance(span, tuple):
+        low, high = (whole(end, name, at_least=0) for end in value)
+        return low, high
+    return whole(value, name, at_least=0)
 
 
 def highest(span: Span | Sequence[float]) -> float:

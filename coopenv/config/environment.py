@@ -76,7 +76,8 @@ class TransportConfig:
         `coopenv.partner.Partner`, or the name of one in `coopenv.agents.partners.PARTNERS`.
         Whatever ``informed`` says, it knows its own plan.
     partner_agents
-        The agents it drives, by number; ``None``: the last one.
+        The agents it drives, by number; ``None``: those that the task names, which is the last
+        one of a beam, and of a walker the human.
 
     Raises
     ------
@@ -183,7 +184,7 @@ class TransportConfig:
         if self.partner is None:
             return ()
         agents = self.partner_agents
-        return (self.num_agents - 1,) if agents is None else tuple(agents)
+        return self.task.partner_agents(self.num_agents) if agents is None else tuple(agents)
 
     @property
     def learners(self) -> tuple[int, ...]:
@@ -238,7 +239,10 @@ class TransportConfig:
                 f"partner_agents must come with a partner, got {agents} without; "
                 "pass for example partner='follower'"
             )
-        if self.partner is not None and not (self.driven and self.learners):
+        if self.partner is None:
+            return
+        read_agents(self.driven, "partner_agents of the task", self.num_agents)
+        if not (self.driven and self.learners):
             raise InvalidInput(
                 f"partner_agents must name at least one of {self.num_agents} agents and leave at "
                 f"least one to learn, got {self.driven}; change them, or give body another grip"

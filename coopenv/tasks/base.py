@@ -111,6 +111,10 @@ class Task(ABC):
         """``(agent, 2)``: who is told the goal's place, and its angle; everybody."""
         return np.ones((num_agents, 2), dtype=np.bool_)
 
+    def partner_agents(self, num_agents: int) -> tuple[int, ...]:
+        """Agents that a partner drives unless ``partner_agents`` says otherwise; the last one."""
+        return (num_agents - 1,)
+
     def way(self, plan: FloatArray, pose: FloatArray, goal: FloatArray) -> FloatArray:
         """How far each world is from its goal under its plan ``(world, number)``, ``(world,)`` [m].
 

@@ -29,6 +29,10 @@ class RollingTask(TransportTask):
             pose, goal, goal, _straight(pose, goal), self.angle_weight, self.position_tolerance
         )
 
+    def partner_agents(self, num_agents: int) -> tuple[int, ...]:
+        """All but the last agent: a partner is the human, and who learns is the drive."""
+        return tuple(range(num_agents - 1))
+
 
 @compiled
 def rolling_distance(pose, goal, stop, way, angle_weight, blur):

@@ -1,8 +1,8 @@
 """Simulated people who carry a beam in pairs: what each is like, and what their hands do.
 
 Each has an own plan, and hands with an impedance and a reaction delay of their own: they are
-`coopenv.agents.partners.Person` with every trait given, led along the way through the doorway by
-what `DoorwayController` would do towards the person's own goal.
+`coopenv.agents.partners.Person` with every trait given, who walks through the doorway to its own
+goal as the partner `Walking` does.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -15,12 +15,10 @@ from coopenv.config import TransportConfig
 from coopenv.transition import Transition
 from coopenv.wrench.grasp import moment
 
-from ...controllers.doorway import DoorwayController
-from ...controllers.guidance import APPROACH, DAMPING, NUM_GAINS, SPEED, SPIN, Gains, gains_row
+from ...controllers.guidance import APPROACH, DAMPING, NUM_GAINS, SPEED, SPIN, gains_row
 from ...partners import traits
 from ...partners.person import Kind, Person
-
-PACE = Gains(approach=2.0, speed=0.7, spin=1.0)  # of the way; each person scales it by own gains
+from ...partners.way import PACE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +87,7 @@ class Traits:
         """One person of each row as a kind of partner."""
         rows = traits.same_twice(
             len(self.delay),
-            role=traits.PLANS,
+            role=traits.WALKS,
             strength=self.strength[:, agent],
             delay=np.rint(self.delay[:, agent] / dt),
             force_noise=self.force_tremor[:, agent],
@@ -138,7 +136,6 @@ class Pairs:
 
     def __init__(self, config: TransportConfig, people: Traits, told: BoolArray):
         self._people, self._told, self._dt = people, told, config.dt
-        self._way = DoorwayController(config, gains=PACE)
         self._players = [
             Person(people.hands(agent, config.dt), config, len(told), (agent,))
             for agent in range(2)
@@ -157,13 +154,10 @@ class Pairs:
     def act(self, transition: Transition) -> FloatArray:
         """Wrenches ``(world, 2, 3)`` for the next step, object frame [N, N·m]."""
         self._give_in(transition)
-        state = transition.next_state
-        wrenches = []
-        for agent, player in enumerate(self._players):
-            own = _towards(transition, self.goals[:, agent])
-            twist, _ = self._way.wanted_motion(own)
-            ahead = state.pose + twist / PACE.approach
-            wrenches.append(player.act(_towards(transition, ahead)))
+        wrenches = [
+            player.act(_towards(transition, self.goals[:, agent]))
+            for agent, player in enumerate(self._players)
+        ]
         return np.concatenate(wrenches, axis=1)
 
     def _give_in(self, transition: Transition) -> None:
