@@ -1,12 +1,11 @@
 """The page on observations says what the code does."""
 
-import re
-
 import numpy as np
 
 from benchmarks import observations
 from coopenv import BLOCKS, Block
 from coopenv.observation.block import EachOther
+from tests.docs.snippets import chains, running
 
 
 def test_the_table_is_what_the_code_prints():
@@ -29,14 +28,12 @@ def test_a_bound_on_one_side_is_said():
     assert observations.bounds(half) == "[0, inf], any"
 
 
-def test_every_python_block_of_the_page_runs():
-    text = observations.PAGE.read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
-    assert len(blocks) == 4
-    names = {}
-    for block in blocks:
-        exec(compile(block, str(observations.PAGE), "exec"), names)
-        obs, _ = names["core"].reset(seed=0)
+def test_what_the_blocks_of_the_page_show_is_finite_and_bounded(tmp_path):
+    shown = chains(observations.PAGE)
+    assert len(shown) == 4
+    for chain in shown:
+        with running(chain, tmp_path) as names:
+            core = names["core"]
+        obs, _ = core.reset(seed=0)
         assert np.isfinite(obs).all()
-    core = names["core"]
     assert (core.observation.low[core.observation.blocks["speed"]] == 0).all()

@@ -1,4 +1,4 @@
-"""The page on recordings says what the code does, and its example runs."""
+"""The page on recordings says what the code does."""
 
 import inspect
 import re
@@ -9,6 +9,7 @@ from benchmarks import recordings
 from coopenv.logs import Layout, analyse, command, read
 from coopenv.logs.columns import is_documented
 from coopenv.logs.formats import FORMATS
+from tests.docs.snippets import snippets
 from tests.logs import cases
 
 TEXT = recordings.PAGE.read_text(encoding="utf-8")
@@ -48,21 +49,10 @@ def test_every_result_is_on_the_page_and_in_the_table(tmp_path):
     assert not made
 
 
-def test_the_code_of_the_page_runs(tmp_path, monkeypatch):
-    import pytest
-
-    pytest.importorskip("pandas")
-    pytest.importorskip("matplotlib")
-    monkeypatch.chdir(tmp_path)
-    columns = cases.planar(20)
-    cases.save(columns, tmp_path / "trial.csv")
-    (block,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
-    names: dict = {}
-    exec(compile(block, str(recordings.PAGE), "exec"), names)
-    assert names["summary"].rows == 20
-    (toml,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.DOTALL)
+def test_the_layout_of_the_page_reads_such_a_file(tmp_path):
+    (toml,) = [one.code for one in snippets(recordings.PAGE) if one.language == "toml"]
     (tmp_path / "lab.toml").write_text(toml)
-    layout = Layout.load("lab.toml")
+    layout, columns = Layout.load(tmp_path / "lab.toml"), cases.planar(20)
     theirs = {"time": "t", "f1x": "Fx_left", "t1z": "Mz_left"}
     renamed = {theirs.get(name, name): values for name, values in columns.items()}
     recording = read(cases.save(renamed, tmp_path / "b.npz"), layout)
