@@ -188,9 +188,10 @@ def _warn_of_versions(found: Checkpoint) -> None:
 def _interrupted(done: int, config: TrainConfig) -> str:
     if not done:
         return "interrupted before the first update; the same command begins anew"
+    again = "the same command again" + " without --fresh" * config.fresh
     return (
         f"interrupted; {config.out / CHECKPOINT} holds {done:,} of {config.steps:,} steps, give "
-        "the same command again to go on there"
+        f"{again} to go on there"
     )
 
 

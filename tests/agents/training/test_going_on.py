@@ -263,6 +263,11 @@ def test_fresh_removes_the_run_that_was_there(tmp_path):
     assert rows[0]["steps"] == 32
 
 
+def test_an_interrupted_fresh_run_says_that_it_goes_on_without_fresh(tmp_path):
+    with pytest.raises(KeyboardInterrupt, match="again without --fresh to go on"):
+        train(tiny(tmp_path, fresh=True), environment=SHORT, report=stop_at(96))
+
+
 def test_more_steps_go_on_from_the_end_of_a_finished_run(tmp_path):
     train(tiny(tmp_path), environment=SHORT)
     said, rows, left = [], [], []
