@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from math import nan, sqrt
+from math import isnan, nan, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
@@ -18,7 +18,7 @@ from coopenv.files import written
 from coopenv.transport import Transport
 
 from .episodes import Episodes, EpisodeSums
-from .policy import Policy, forget
+from .policy import Policy, Samplable, forget
 from .seeds import evaluation_seeds
 
 if TYPE_CHECKING:
@@ -28,12 +28,13 @@ NORMAL_95 = 1.959964  # two-sided 95 % quantile of the normal distribution
 COLUMNS = (  # of the printed table, with units
     ("success", "%"),
     ("95 %", "%"),
+    ("sample", "%"),
     ("time", "s"),
     ("γ", ""),
     ("F_I", "N"),
     ("T_I", "N·m"),
     ("share", "force"),
-    ("uneven", "0-1"),
+    ("skew", "0-1"),
 )
 
 
@@ -49,6 +50,8 @@ class Evaluation:
     seed: int  # number of the evaluation; see `coopenv.agents.seeds`
     success_rate: float
     success_interval: tuple[float, float]  # 95 %, Wilson
+    sampled_success_rate: float  # with sampled actions; NaN for a policy with one way of acting
+    sampled_success_interval: tuple[float, float]
     success_time: float  # [s], of the successful episodes; NaN where there is none
     reward: float  # return of an episode, undiscounted, mean over the team
     relative_cost: float  # γ
@@ -61,17 +64,28 @@ class Evaluation:
     contact_impulse: float  # [N·s] an episode
 
     @classmethod
-    def of(cls, seen: Episodes, *, dt: float, policy: str = "", seed: int = 0) -> Self:
-        """Summarise episodes of control step ``dt`` [s]."""
-        count, successes = len(seen.length), int(seen.success.sum())
+    def of(
+        cls,
+        seen: Episodes,
+        *,
+        dt: float,
+        policy: str = "",
+        seed: int = 0,
+        sampled: Episodes | None = None,
+    ) -> Self:
+        """Summarise episodes of control step ``dt`` [s]; ``sampled``: with sampled actions."""
+        rate, interval = success_of(seen)
+        sampled_rate, sampled_interval = success_of(sampled) if sampled else (nan, (nan, nan))
         times = dt * seen.length[seen.success]  # [s]
         return cls(
             policy=policy,
-            episodes=count,
+            episodes=len(seen.length),
             seed=seed,
-            success_rate=successes / count,
-            success_interval=wilson_interval(successes, count),
-            success_time=float(times.mean()) if successes else nan,
+            success_rate=rate,
+            success_interval=interval,
+            sampled_success_rate=sampled_rate,
+            sampled_success_interval=sampled_interval,
+            success_time=float(times.mean()) if len(times) else nan,
             reward=float(seen.reward.mean()),
             relative_cost=float(seen.relative_cost.mean()),
             wasted_cost=float(seen.wasted_cost.mean()),
@@ -106,18 +120,32 @@ def evaluate(
     seed
         Number of the evaluation: the same starts and goals for every policy.
     num_worlds
-        Episodes run side by side. It changes the figures by rounding only, unless the policy
-        itself draws random numbers.
+        Episodes run side by side. It changes the figures by rounding only: random actions are
+        keyed by episode and step (`coopenv.agents.policy.Seedable`).
     name
         What the policy is called in the table.
 
     Returns
     -------
-    Means with a 95 % interval of the success rate.
+    Means with a 95 % interval of the success rate. A policy that can sample its actions
+    (`coopenv.agents.policy.Samplable`) runs the episodes once more that way, for
+    ``sampled_success_rate``; all other figures are of the policy as it is given.
     """
     config = config if config is not None else TransportConfig()
     seen = run_episodes(policy, config, episodes=episodes, seed=seed, num_worlds=num_worlds)
-    return Evaluation.of(seen, dt=config.dt, policy=name, seed=seed)
+    other = policy.sampled() if isinstance(policy, Samplable) else None
+    sampled = (
+        run_episodes(other, config, episodes=episodes, seed=seed, num_worlds=num_worlds)
+        if other is not None and other is not policy
+        else seen
+    )
+    return Evaluation.of(
+        seen,
+        dt=config.dt,
+        policy=name,
+        seed=seed,
+        sampled=sampled if other is not None else None,
+    )
 
 
 def compare(
@@ -163,7 +191,7 @@ def _run_batch(policy: Policy, core: Transport, seeds: list[int]) -> Episodes:
     count = len(seeds)
     filled = seeds + seeds[-1:] * (core.num_worlds - count)
     obs, _ = core.reset(seed=filled)
-    forget(policy, np.ones(core.num_worlds, dtype=np.bool_))
+    forget(policy, np.ones(core.num_worlds, dtype=np.bool_), filled)
     sums = EpisodeSums(core.num_worlds, core.num_agents)
     running = np.arange(core.num_worlds) < count
     order, ended = [], []
@@ -184,6 +212,12 @@ def _run_batch(policy: Policy, core: Transport, seeds: list[int]) -> Episodes:
     return Episodes.joined(ended).pick(np.argsort(np.concatenate(order)))
 
 
+def success_of(seen: Episodes) -> tuple[float, tuple[float, float]]:
+    """Success rate and its 95 % interval."""
+    count, successes = len(seen.length), int(seen.success.sum())
+    return successes / count, wilson_interval(successes, count)
+
+
 def wilson_interval(successes: int, count: int) -> tuple[float, float]:
     """95 % interval of a success rate (Wilson 1927): honest at 0 and 1, unlike ±1.96 σ."""
     rate, square = successes / count, NORMAL_95**2
@@ -202,21 +236,28 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
     except ImportError as error:
         raise MissingExtra("the table", "train") from error
     made = Table(
-        title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        show_edge=False,
+        collapse_padding=True,
+        pad_edge=False,
     )
-    made.add_column("policy", min_width=11)
-    for name, unit in COLUMNS:
-        made.add_column(f"{name}\n{unit}", justify="right", no_wrap=True)
+    made.add_column("policy", min_width=11, overflow="fold")
+    for name, unit in COLUMNS:  # only the shares of a large team may go on in a second line
+        wide = name == "share"
+        made.add_column(f"{name}\n{unit}", justify="right", no_wrap=not wide, overflow="fold")
     for seen in evaluations:
         low, high = seen.success_interval
         made.add_row(
             seen.policy,
             f"{100 * seen.success_rate:.1f}",
             f"{100 * low:.0f}-{100 * high:.0f}",
+            "-" if isnan(seen.sampled_success_rate) else f"{100 * seen.sampled_success_rate:.1f}",
             "-" if seen.success_rate == 0 else f"{seen.success_time:.2f}",
-            f"{seen.relative_cost:.4f}",
-            f"{seen.internal_force_level:.3f}",
-            f"{seen.internal_torque_level:.3f}",
+            f"{seen.relative_cost:.3f}",
+            f"{seen.internal_force_level:.2f}",
+            f"{seen.internal_torque_level:.2f}",
             ":".join(f"{share:.2f}" for share in seen.force_load_share),
             f"{seen.load_imbalance:.2f}",
         )

@@ -1,13 +1,16 @@
 """Policies: observations and the last transition in, actions of many worlds out; a random one."""
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.transition import Transition
+
+from .noise import EpisodeKeys, uniforms
 
 
 class Policy(Protocol):
@@ -38,27 +41,65 @@ class Resettable(Protocol):
         ...
 
 
-def forget(policy: Policy, mask: BoolArray) -> None:
-    """Tell a policy that new episodes begin in the marked worlds, if it wants to know."""
+@runtime_checkable
+class Seedable(Protocol):
+    """A policy that draws random numbers has this, to act alike beside any number of episodes."""
+
+    def seed_episodes(self, seeds: IntArray) -> None:
+        """Seeds ``(world,)`` of the episodes that begin in every world now."""
+        ...
+
+
+@runtime_checkable
+class Samplable(Protocol):
+    """A policy that can act by its mean or by a sample has this."""
+
+    def sampled(self) -> "Policy | None":
+        """The same policy with sampled actions; ``None`` if it has one way of acting after all."""
+        ...
+
+
+def forget(policy: Policy, mask: BoolArray, seeds: Sequence[int] | None = None) -> None:
+    """Tell a policy that new episodes begin in the marked worlds, if it wants to know.
+
+    Parameters
+    ----------
+    mask
+        ``(world,)``.
+    seeds
+        Of the worlds, where episodes begin in all of them.
+    """
     if isinstance(policy, Resettable):
         policy.reset(mask)
+    if seeds is not None and isinstance(policy, Seedable):
+        policy.seed_episodes(np.asarray(seeds, dtype=np.int64))
 
 
 class RandomPolicy:
     """Uniform actions, independent in every step.
+
+    They are keyed by seed, episode and step: an episode of an evaluation gets the same actions
+    whatever runs beside it.
 
     Parameters
     ----------
     config
         Of the environment it acts in.
     seed
-        Of its own generator.
+        Of its own numbers, not negative.
     """
 
     def __init__(self, config: TransportConfig, seed: int = 0):
-        self._generator = np.random.default_rng(seed)
+        self._keys = EpisodeKeys(seed)
         self._width = ACTIONS[config.action]
+
+    def seed_episodes(self, seeds: IntArray) -> None:
+        """Seeds ``(world,)`` of the episodes that begin in every world now."""
+        self._keys.seed(seeds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
         """Actions ``(world, agent, action_size)``."""
-        return self._generator.uniform(-1.0, 1.0, (*obs.shape[:2], self._width))
+        num_worlds, num_agents, _ = obs.shape
+        self._keys.follow(transition)
+        drawn = uniforms(self._keys.of_step(transition), num_agents * self._width)
+        return 2 * drawn.reshape(num_worlds, num_agents, self._width) - 1

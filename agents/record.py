@@ -41,8 +41,9 @@ def episode_pictures(
     from coopenv.render import Renderer
 
     core = Transport(num_worlds=1, config=config)
-    obs, _ = core.reset(seed=evaluation_seeds(seed, 1)[0])
-    forget(policy, np.ones(1, dtype=np.bool_))
+    seeds = [*evaluation_seeds(seed, 1)]
+    obs, _ = core.reset(seed=seeds)
+    forget(policy, np.ones(1, dtype=np.bool_), seeds)
     renderer = Renderer(core.bodies, core.scenes, mode="rgb_array")
     pictures, over = [], np.zeros(1, dtype=np.bool_)
     assert core.transition is not None

@@ -1,31 +1,22 @@
 """Stable-Baselines3: worlds as a ``VecEnv``, trained models as policies, what a training needs."""
 
-import json
-import os
-import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
 import numpy as np
-import numpy.typing as npt
 
-from coopenv.arrays import FloatArray
 from coopenv.config import TransportConfig
-from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.files import written
+from coopenv.errors import MissingExtra
 from coopenv.observation.view import VIEW, WRENCH_UNIT
-from coopenv.transition import Transition
 
-from .provenance import NOTES, Provenance
+from .learned import SB3Policy, save_model
 from .settings import find_config
 from .vec_env import TransportVecEnv
 
 try:
     import torch
-    from stable_baselines3 import PPO
-    from stable_baselines3.common.base_class import BaseAlgorithm
     from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 except ImportError as error:
     raise MissingExtra("coopenv.agents.sb3", "train") from error
@@ -76,71 +67,6 @@ def make_vec_env(
     if seed is not None:
         venv.seed(seed)
     return venv
-
-
-class SB3Policy:
-    """A trained Stable-Baselines3 model as a `coopenv.agents.policy.Policy`.
-
-    Whether it moves the whole team or one agent shows in the size of its observation.
-
-    Parameters
-    ----------
-    model
-        Any algorithm of Stable-Baselines3.
-    deterministic
-        Take the mean action instead of a sample.
-    notes
-        What else its file is to say, its `coopenv.agents.provenance` for one; as JSON can hold it.
-    """
-
-    def __init__(
-        self,
-        model: BaseAlgorithm,
-        *,
-        deterministic: bool = True,
-        notes: Mapping[str, Any] | None = None,
-    ):
-        self.model, self.deterministic = model, deterministic
-        self.notes = dict(notes or {})
-
-    @classmethod
-    def load(cls, path: str | os.PathLike, algorithm: type[BaseAlgorithm] = PPO) -> Self:
-        """Read a model from the file that `save` or SB3 itself wrote. Only open files you trust."""
-        provenance = Provenance.read(path) if os.path.isfile(path) else None
-        notes = provenance.to_notes() if provenance is not None else None
-        return cls(algorithm.load(os.fspath(path), device="cpu"), notes=notes)
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Write the model to one file, whole or not at all; ``PPO.load`` reads it as well."""
-        save_model(self.model, path, notes=self.notes)
-
-    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, learner, action_size)``."""
-        num_worlds, num_agents, size = obs.shape
-        seen = self.model.observation_space.shape
-        if seen == (num_agents * size,):
-            rows = obs.reshape(num_worlds, -1)
-        elif seen == (size,):
-            rows = obs.reshape(num_worlds * num_agents, -1)
-        else:
-            raise InvalidInput(
-                f"obs must have the {seen} features the policy was trained on, for the team or "
-                f"each agent, got {num_agents} agents of {size}; evaluate it with the same observe="
-            )
-        action, _ = self.model.predict(rows, deterministic=self.deterministic)
-        return action.reshape(num_worlds, num_agents, -1).astype(np.float64)
-
-
-def save_model(
-    model: BaseAlgorithm, path: str | os.PathLike, *, notes: Mapping[str, Any] | None = None
-) -> None:
-    """``model.save``, but under a temporary name that is then renamed, with ``notes`` in it."""
-    with written(path) as part:
-        with part.open("wb") as file:
-            model.save(file)
-        if notes:
-            with zipfile.ZipFile(part, "a") as archive:
-                archive.writestr(NOTES, json.dumps(notes, indent=2) + "\n")
 
 
 class Scaled(BaseFeaturesExtractor):

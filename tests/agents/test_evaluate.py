@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+from dataclasses import replace
+from math import nan
 
 import numpy as np
 import pytest
@@ -64,6 +66,18 @@ def test_the_number_of_worlds_changes_nothing():
     np.testing.assert_array_equal(few.success, many.success)
     np.testing.assert_allclose(few.reward, many.reward, atol=1e-9)
     np.testing.assert_allclose(few.force_load_share, many.force_load_share, atol=1e-9)
+
+
+def test_the_number_of_worlds_does_not_change_what_the_random_policy_does():
+    few, many, other = (
+        run_episodes(RandomPolicy(SHORT, seed), SHORT, episodes=7, num_worlds=num_worlds)
+        for seed, num_worlds in ((3, 2), (3, 100), (4, 100))
+    )
+    np.testing.assert_array_equal(few.length, many.length)
+    np.testing.assert_allclose(few.reward, many.reward, atol=1e-9)
+    np.testing.assert_allclose(few.relative_cost, many.relative_cost, atol=1e-9)
+    assert not np.isclose(many.relative_cost, other.relative_cost).any()
+    assert len(set(many.relative_cost.tolist())) == 7
 
 
 def test_a_summary_is_the_mean_over_episodes_not_over_steps():
@@ -161,6 +175,50 @@ def test_the_table_has_a_row_a_policy():
     text = console.export_text()
     for word in ("title", "leader", "random", "success", "γ", "F_I", "T_I", "share"):
         assert word in text
+
+
+def printed(evaluations):
+    rich = pytest.importorskip("rich.console")
+    console = rich.Console(width=80, record=True, file=io.StringIO())
+    console.print(table(evaluations, "title"))
+    return console.export_text()
+
+
+@pytest.mark.parametrize("team", [2, 3, 4, 6])
+def test_the_table_fits_80_columns_whole(team: int):
+    even = (1 / team,) * team
+    one = evaluate(Leader(), SHORT, episodes=2)
+    seen = replace(
+        one,
+        policy="trained PPO",
+        success_rate=1.0,
+        success_interval=(0.99, 1.0),
+        sampled_success_rate=0.987,
+        success_time=12.34,
+        relative_cost=0.1234,
+        internal_force_level=9.87,
+        internal_torque_level=6.54,
+        force_load_share=even,
+        load_imbalance=0.5678,
+    )
+    other = replace(seen, policy="scripted", sampled_success_rate=nan)
+    text = printed([seen, other])
+    for word in (
+        "100.0",
+        "99-100",
+        "98.7",
+        "12.34",
+        "0.123",
+        "9.87",
+        "6.54",
+        "0.57",
+        "0-1",
+        "sample",
+    ):
+        assert text.count(word) >= 1, text
+    assert text.count("0.57") == 2
+    assert sum(text.count(f"{share:.2f}") for share in set(even)) >= 2 * team
+    assert "  -  " in text  # one way of acting
 
 
 def test_results_are_saved_as_csv_and_json(tmp_path):

@@ -1,0 +1,153 @@
+"""Normalisation of observations: statistics of a ``VecNormalize`` that a policy needs to act."""
+
+import io
+import os
+import pickle
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.vec_env import VecNormalize
+
+from coopenv.arrays import FloatArray
+from coopenv.errors import InvalidInput
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Normalization:
+    """(obs − mean) / √(variance + epsilon), within ± clip: as ``VecNormalize`` does it."""
+
+    mean: FloatArray  # (feature,), in the observation's units
+    variance: FloatArray  # (feature,)
+    epsilon: float
+    clip: float
+
+    @classmethod
+    def of(cls, venv: VecNormalize) -> Self | None:
+        """The statistics as they are now; ``None`` if only rewards are normalised."""
+        if not venv.norm_obs:
+            return None
+        rms = venv.obs_rms
+        if not isinstance(rms, RunningMeanStd):
+            raise InvalidInput(
+                "VecNormalize must be of observations in one array, got a dict; use TransportVecEnv"
+            )
+        return cls(
+            mean=np.asarray(rms.mean, dtype=np.float64),
+            variance=np.asarray(rms.var, dtype=np.float64),
+            epsilon=float(venv.epsilon),
+            clip=float(venv.clip_obs),
+        )
+
+    def __call__(self, rows: npt.NDArray) -> npt.NDArray[np.float32]:
+        """Normalised observations ``(row, feature)``."""
+        scaled = (rows - self.mean) / np.sqrt(self.variance + self.epsilon)
+        return np.clip(scaled, -self.clip, self.clip).astype(np.float32)
+
+    def to_bytes(self) -> bytes:
+        """As an NPZ archive of plain arrays."""
+        buffer = io.BytesIO()
+        np.savez(
+            buffer,
+            mean=self.mean,
+            variance=self.variance,
+            epsilon=np.float64(self.epsilon),
+            clip=np.float64(self.clip),
+        )
+        return buffer.getvalue()
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """What `to_bytes` wrote."""
+        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+            return cls(
+                mean=arrays["mean"],
+                variance=arrays["variance"],
+                epsilon=float(arrays["epsilon"]),
+                clip=float(arrays["clip"]),
+            )
+
+
+Normalize = bool | str | os.PathLike | VecNormalize | Normalization | None
+
+
+def find_normalization(normalize: Normalize, size: int) -> Normalization | None:
+    """The statistics that a user gives for observations of ``size`` features.
+
+    Parameters
+    ----------
+    normalize
+        A ``VecNormalize``, or the file that its ``save`` wrote (a pickle: only open files you
+        trust); ``False`` for none.
+
+    Raises
+    ------
+    InvalidInput
+        If it is something else, or of another number of features.
+    """
+    if normalize is False:
+        return None
+    found = normalize
+    if isinstance(normalize, str | os.PathLike):
+        found = _read(Path(normalize))
+    if isinstance(found, VecNormalize):
+        found = Normalization.of(found)
+        if found is None:
+            return None
+    if not isinstance(found, Normalization):
+        raise InvalidInput(
+            f"normalize must be a VecNormalize, the file that its save wrote, or False, got "
+            f"{normalize!r}; give the one the policy was trained with"
+        )
+    if found.mean.shape != (size,):
+        raise InvalidInput(
+            f"normalize must have the {size} features that the policy takes, got "
+            f"{found.mean.shape[-1] if found.mean.ndim else 1}; give the VecNormalize the policy "
+            "was trained with"
+        )
+    return found
+
+
+def trained_normalized(model: BaseAlgorithm) -> bool | None:
+    """Whether a ``VecNormalize`` stood before the model in its training; ``None``: nobody knows.
+
+    SB3 keeps no statistics, but the last observation from before normalisation: on-policy
+    algorithms only if there was a normalisation. Off-policy ones keep one in any case; what they
+    saw last may be outside the observation space, as only normalised numbers can be.
+    """
+    if getattr(model, "_last_original_obs", None) is None:
+        return False
+    if not isinstance(model, OffPolicyAlgorithm):
+        return True
+    if _outside(getattr(model, "_last_obs", None), model.observation_space):
+        return True
+    return None if model.get_env() is None else False
+
+
+def _outside(seen: Any, space: gymnasium.Space) -> bool:
+    if not isinstance(seen, np.ndarray) or not isinstance(space, gymnasium.spaces.Box):
+        return False
+    return bool(((seen < space.low) | (seen > space.high)).any())
+
+
+def _read(path: Path) -> VecNormalize:
+    try:
+        with path.open("rb") as file:
+            found = pickle.load(file)
+    except Exception as error:  # a pickle that is broken can raise anything
+        raise InvalidInput(
+            f"normalize must be a file that VecNormalize.save wrote, got {os.fspath(path)!r} "
+            f"({error}); give the one that was saved with the policy"
+        ) from error
+    if not isinstance(found, VecNormalize):
+        raise InvalidInput(
+            f"normalize must be a file that VecNormalize.save wrote, got {os.fspath(path)!r} which "
+            f"holds a {type(found).__name__}; give the one that was saved with the policy"
+        )
+    return found

@@ -1,0 +1,259 @@
+"""A trained Stable-Baselines3 model that acts in many worlds as it acted in its training."""
+
+import os
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.errors import InvalidInput
+from coopenv.transition import Transition
+
+from ..noise import EpisodeKeys
+from .files import Saved, load_model, save_model
+from .normalization import Normalization, Normalize, find_normalization, trained_normalized
+from .sampling import can_be_sampled, sampled
+
+
+class SB3Policy:
+    """A trained Stable-Baselines3 model as a `coopenv.agents.policy.Policy`.
+
+    Whether it moves the whole team or one agent shows in the size of its observation. Observations
+    are normalised as in the training; a recurrent policy remembers each episode by itself.
+
+    Parameters
+    ----------
+    model
+        Any algorithm of Stable-Baselines3 or sb3-contrib that acts in a box.
+    deterministic
+        Take the mean action instead of a sample.
+    normalize
+        Observation statistics: a ``VecNormalize``, or the file that its ``save`` wrote (a pickle:
+        only open files you trust). ``None``: those of the model's own environment, as they are
+        when it acts. ``False``: none.
+    seed
+        Of sampled actions, which are keyed by it, by the episode's seed and by the step.
+    notes
+        What else its file is to say; as JSON can hold it.
+
+    Raises
+    ------
+    InvalidInput
+        If the model was trained on normalised observations whose statistics are not known, or its
+        spaces are not those of an environment of this package.
+    """
+
+    __module__ = "coopenv.agents.sb3"  # where users import it from, and where pickles look for it
+
+    def __init__(
+        self,
+        model: BaseAlgorithm,
+        *,
+        deterministic: bool = True,
+        normalize: Normalize = None,
+        seed: int = 0,
+        notes: Mapping[str, Any] | None = None,
+    ):
+        self.model, self.deterministic = model, deterministic
+        self.notes = dict(notes or {})
+        self._features, self._actions = _sizes(model)
+        self._is_given = normalize is not None
+        self._given = find_normalization(normalize, self._features) if self._is_given else None
+        self._seed, self._keys = seed, EpisodeKeys(seed)
+        self._memory: tuple[npt.NDArray, ...] | None = None  # of a recurrent policy, row by row
+        self._fresh = np.zeros(0, dtype=np.bool_)  # (world,): whose episode begins
+        _ = self.normalization  # raises here rather than in a step
+
+    @classmethod
+    def load(
+        cls,
+        path: str | os.PathLike,
+        algorithm: type[BaseAlgorithm] | None = None,
+        *,
+        deterministic: bool = True,
+        normalize: Normalize = None,
+        seed: int = 0,
+    ) -> Self:
+        """Read a model from the file that `save` or SB3 itself wrote. Only open files you trust.
+
+        Parameters
+        ----------
+        algorithm
+            That trained it. The file says which, unless it is not one of Stable-Baselines3's or
+            sb3-contrib's.
+        deterministic, normalize, seed
+            As of `SB3Policy`; ``None``: the statistics that `save` wrote. Files that SB3 wrote
+            hold none; on-policy algorithms show that there were some, off-policy ones rarely.
+
+        Raises
+        ------
+        InvalidInput
+            If the file is no policy, is broken, or the model cannot act as it was trained.
+        MissingExtra
+            If sb3-contrib trained it and is not installed.
+        """
+        saved = load_model(path, algorithm)
+        if normalize is None:
+            normalize = _normalization(saved, path)
+        try:
+            return cls(
+                saved.model,
+                deterministic=deterministic,
+                normalize=normalize,
+                seed=seed,
+                notes=saved.notes,
+            )
+        except InvalidInput as error:
+            raise InvalidInput(f"{error} (policy {os.fspath(path)!r})") from error
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write model, normalisation and notes to one file, whole or not at all.
+
+        ``PPO.load`` and its like read it as well, without the normalisation.
+        """
+        save_model(self.model, path, notes=self.notes, normalization=self.normalization)
+
+    @property
+    def normalization(self) -> Normalization | None:
+        """Statistics of the observations it was trained on; ``None`` without normalisation.
+
+        Raises
+        ------
+        InvalidInput
+            If there were some, and they are not known.
+        """
+        if self._is_given:
+            return self._given
+        venv = self.model.get_vec_normalize_env()
+        if venv is not None:
+            return Normalization.of(venv)
+        if trained_normalized(self.model):
+            raise InvalidInput(
+                "normalize must be given for a model that was trained behind a VecNormalize, got "
+                "none; give normalize= that VecNormalize or the file that its save wrote, or False "
+                "if it left observations as they are"
+            )
+        return None
+
+    def sampled(self) -> Self | None:
+        """The same policy with sampled actions; ``None`` for algorithms that have no spread."""
+        if not self.deterministic:
+            return self
+        if not can_be_sampled(self.model):
+            return None
+        return type(self)(
+            self.model,
+            deterministic=False,
+            normalize=(self._given or False) if self._is_given else None,
+            seed=self._seed,
+            notes=self.notes,
+        )
+
+    def reset(self, mask: BoolArray) -> None:
+        """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""
+        known = len(self._fresh) == len(mask)
+        self._fresh = self._fresh | mask if known else np.ones(len(mask), dtype=np.bool_)
+
+    def seed_episodes(self, seeds: IntArray) -> None:
+        """Seeds ``(world,)`` of the episodes that begin in every world now."""
+        self._keys.seed(seeds)
+
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
+        """Actions ``(world, learner, action_size)``.
+
+        Raises
+        ------
+        InvalidInput
+            If it was trained on other observations, other actions or a team of another size.
+        """
+        num_worlds, num_agents, size = obs.shape
+        width = transition.action.shape[-1]
+        self._check_sizes(num_agents, size, width)
+        rows = obs.reshape(-1, self._features)
+        normalization = self.normalization
+        if normalization is not None:
+            rows = normalization(rows)
+        self.reset(transition.next_state.time == 0)
+        starts = np.repeat(self._fresh, len(rows) // num_worlds)
+        if self._memory is not None and self._memory[0].shape[1] != len(rows):
+            self._memory = None
+
+        def predict() -> tuple[npt.NDArray, Any]:
+            return self.model.predict(rows, self._memory, starts, self.deterministic)
+
+        if self.deterministic:
+            action, self._memory = predict()
+        else:
+            action, self._memory = sampled(self.model, predict, self._keys, transition, len(rows))
+        self._fresh = np.zeros(num_worlds, dtype=np.bool_)
+        return action.reshape(num_worlds, num_agents, width).astype(np.float64)
+
+    def _check_sizes(self, num_agents: int, size: int, width: int) -> None:
+        """Raise `InvalidInput` unless what agents see and do has the size it was trained on."""
+        for agents in (num_agents, 1):  # one row for the team, or one for each agent
+            if (self._features, self._actions) == (agents * size, agents * width):
+                return
+        raise InvalidInput(
+            f"obs and action must have the sizes the policy was trained on, {self._features} "
+            f"features in and {self._actions} numbers out, for the team or each agent, got "
+            f"{num_agents} agents with {size} and {width} each; evaluate it with the observe=, "
+            "action= and number of agents of its training"
+        )
+
+
+def _sizes(model: BaseAlgorithm) -> tuple[int, int]:
+    """Features and actions of a row."""
+    seen, done = model.observation_space, model.action_space
+    box = gymnasium.spaces.Box
+    if not isinstance(seen, box) or len(seen.shape) != 1:
+        raise InvalidInput(
+            f"observation space of a policy must be a Box of one row, got {seen}; it was trained "
+            "in another kind of environment"
+        )
+    if not isinstance(done, box) or len(done.shape) != 1:
+        raise InvalidInput(
+            f"action space of a policy must be a Box of one row, got {done} of "
+            f"{type(model).__name__}; choose an algorithm with continuous actions, PPO or SAC "
+            "for example"
+        )
+    if (done.low != -1).any() or (done.high != 1).any():
+        raise InvalidInput(
+            f"actions of a policy must be in [-1, 1], got {done}; it was trained in another kind "
+            "of environment"
+        )
+    return seen.shape[0], done.shape[0]
+
+
+def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | bool:
+    """The statistics that go with a file, or False where it needs none.
+
+    Raises
+    ------
+    InvalidInput
+        If it needs some that it does not hold, or if statistics lie beside it that may be its own.
+    """
+    if "normalized" in saved.notes:
+        return saved.normalization or False
+    needed = trained_normalized(saved.model) if saved.traces else None
+    if needed is False:
+        return False
+    beside = sorted(Path(path).parent.glob("*vec*normalize*.pkl"))
+    if needed or beside:
+        hint = f", {str(beside[0])!r} for example," if beside else ""
+        raise InvalidInput(
+            f"normalize must be given for a policy that {'was' if needed else 'may have been'} "
+            f"trained behind a VecNormalize, got none for {os.fspath(path)!r}; give normalize= the "
+            f"file that VecNormalize.save wrote{hint} or False if it left observations as they are"
+        )
+    warnings.warn(
+        f"{os.fspath(path)} does not say whether a VecNormalize stood before its training; give "
+        "normalize= the file that VecNormalize.save wrote, or False",
+        stacklevel=3,
+    )
+    return False
