@@ -20,6 +20,7 @@ from .algorithms import algorithm_of, find_algorithm, missing_contrib, name_of
 from .normalization import Normalization
 
 NOTES = "coopenv.json"  # member of the archive: what SB3 does not write; others may add keys
+_ALGORITHM, _NORMALIZED = "algorithm", "normalized"  # its keys that are ours
 _STATISTICS = "normalization.npz"  # member: of the observations
 _NEEDED = ("data", "policy.pth")  # members without which a file is no policy
 
@@ -28,8 +29,9 @@ class Saved(NamedTuple):
     """What a file holds."""
 
     model: BaseAlgorithm
-    notes: dict[str, Any]
+    notes: dict[str, Any]  # of others
     normalization: Normalization | None
+    is_normalized: bool | None  # as the file says; None if it does not
     traces: bool  # whether a normalisation would have left traces in it
 
 
@@ -49,11 +51,8 @@ def save_model(
     normalization
         Of the observations that the model was trained on.
     """
-    entries = {
-        **(notes or {}),
-        "algorithm": name_of(type(model)),
-        "normalized": normalization is not None,
-    }
+    own = {_ALGORITHM: name_of(type(model)), _NORMALIZED: normalization is not None}
+    entries = {**(notes or {}), **own}
     with written(path) as part:
         with part.open("wb") as file:
             model.save(file)
@@ -81,7 +80,7 @@ def load_model(path: str | os.PathLike, algorithm: type[BaseAlgorithm] | None = 
             kind = algorithm or _algorithm(notes, entries)
             statistics = (
                 Normalization.from_bytes(archive.read(_STATISTICS))
-                if notes.get("normalized")
+                if notes.get(_NORMALIZED)
                 else None
             )
             model = kind.load(os.fspath(file), device="cpu")
@@ -100,7 +99,13 @@ def load_model(path: str | os.PathLike, algorithm: type[BaseAlgorithm] | None = 
                 f"({type(error).__name__}: {_first_line(error)}); copy it again, or name another "
                 "algorithm="
             ) from error
-    return Saved(model, notes, statistics, traces="_last_original_obs" in entries)
+    return Saved(
+        model=model,
+        notes={key: note for key, note in notes.items() if key not in (_ALGORITHM, _NORMALIZED)},
+        normalization=statistics,
+        is_normalized=notes.get(_NORMALIZED),
+        traces="_last_original_obs" in entries,
+    )
 
 
 def read_notes(path: str | os.PathLike) -> dict[str, Any]:
@@ -184,8 +189,8 @@ def _notes(archive: zipfile.ZipFile, file: Path) -> dict[str, Any]:
 
 
 def _algorithm(notes: dict[str, Any], entries: dict[str, Any]) -> type[BaseAlgorithm]:
-    if "algorithm" in notes:
-        return find_algorithm(str(notes["algorithm"]))
+    if _ALGORITHM in notes:
+        return find_algorithm(str(notes[_ALGORITHM]))
     kept = json.dumps({"policy_class": entries["policy_class"]})
     return algorithm_of(json_to_data(kept)["policy_class"], entries)
 

@@ -174,7 +174,7 @@ class SB3Policy:
         """
         num_worlds, num_agents, size = obs.shape
         width = transition.action.shape[-1]
-        self._check_sizes(num_agents, size, width)
+        self._check_spaces(num_agents, size, width)
         rows = obs.reshape(-1, self._features)
         normalization = self.normalization
         if normalization is not None:
@@ -194,8 +194,14 @@ class SB3Policy:
         self._fresh = np.zeros(num_worlds, dtype=np.bool_)
         return action.reshape(num_worlds, num_agents, width).astype(np.float64)
 
-    def _check_sizes(self, num_agents: int, size: int, width: int) -> None:
-        """Raise `InvalidInput` unless what agents see and do has the size it was trained on."""
+    def _check_spaces(self, num_agents: int, size: int, width: int) -> None:
+        """Raise `InvalidInput` unless what agents see and do is what it was trained on, by size."""
+        box: Any = self.model.action_space
+        if (box.low != -1).any() or (box.high != 1).any():
+            raise InvalidInput(
+                f"actions of a policy must be in [-1, 1], got {box}; it was trained in another "
+                "kind of environment"
+            )
         for agents in (num_agents, 1):  # one row for the team, or one for each agent
             if (self._features, self._actions) == (agents * size, agents * width):
                 return
@@ -222,11 +228,6 @@ def _sizes(model: BaseAlgorithm) -> tuple[int, int]:
             f"{type(model).__name__}; choose an algorithm with continuous actions, PPO or SAC "
             "for example"
         )
-    if (done.low != -1).any() or (done.high != 1).any():
-        raise InvalidInput(
-            f"actions of a policy must be in [-1, 1], got {done}; it was trained in another kind "
-            "of environment"
-        )
     return seen.shape[0], done.shape[0]
 
 
@@ -238,7 +239,7 @@ def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | boo
     InvalidInput
         If it needs some that it does not hold, or if statistics lie beside it that may be its own.
     """
-    if "normalized" in saved.notes:
+    if saved.is_normalized is not None:
         return saved.normalization or False
     needed = trained_normalized(saved.model) if saved.traces else None
     if needed is False:

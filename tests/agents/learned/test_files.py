@@ -78,6 +78,7 @@ def test_what_others_note_in_the_file_stays_there(file, tmp_path):
         "algorithm": "stable_baselines3.ppo.ppo:PPO",
         "normalized": False,
     }
+    assert SB3Policy.load(file).notes == policy.notes
     SB3Policy.load(file).save(tmp_path / "again.zip")
     assert read_notes(tmp_path / "again.zip") == read_notes(file)
 
@@ -206,7 +207,6 @@ def test_policies_that_choose_among_actions_are_refused(algorithm, tmp_path):
     [
         ({"observation_space": gymnasium.spaces.Box(0, 1, (4, 4))}, "observation space"),
         ({"observation_space": gymnasium.spaces.Discrete(4)}, "observation space"),
-        ({"action_space": gymnasium.spaces.Box(-2, 2, (6,))}, r"in \[-1, 1\]"),
     ],
 )
 def test_policies_of_other_kinds_of_environments_are_refused(space, match):
@@ -218,6 +218,15 @@ def test_policies_of_other_kinds_of_environments_are_refused(space, match):
     model = untrained(PPO, Other())
     with pytest.raises(InvalidInput, match=match):
         SB3Policy(model)
+
+
+def test_actions_of_another_range_are_refused_before_the_first_step():
+    class Strong(Buttons):
+        action_space = gymnasium.spaces.Box(-2, 2, (6,))
+
+    policy = SB3Policy(untrained(PPO, Strong()))
+    with pytest.raises(InvalidInput, match=r"actions of a policy must be in \[-1, 1\]"):
+        policy(*start())
 
 
 @pytest.mark.parametrize(
