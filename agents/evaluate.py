@@ -266,9 +266,7 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
 
 def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
     """Write the evaluations to a ``.json`` or ``.csv`` file (there, one column an agent)."""
-    kind = Path(path).suffix
-    if kind not in (".json", ".csv"):
-        raise InvalidInput(f"path must end in .json or .csv, got {os.fspath(path)!r}; rename it")
+    kind = table_format(path)
     rows = [asdict(seen) for seen in evaluations]
     with written(path) as part:
         if kind == ".json":
@@ -280,6 +278,14 @@ def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
             writer = csv.DictWriter(file, list(names))
             writer.writeheader()
             writer.writerows(flat)
+
+
+def table_format(path: str | os.PathLike) -> str:
+    """The suffix of a table's file; raise `InvalidInput` unless `save` writes such a file."""
+    kind = Path(path).suffix
+    if kind not in (".json", ".csv"):
+        raise InvalidInput(f"path must end in .json or .csv, got {os.fspath(path)!r}; rename it")
+    return kind
 
 
 def _defined_means(values: FloatArray) -> tuple[float, ...]:

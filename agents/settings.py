@@ -7,13 +7,23 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from coopenv.arrays import positive, whole
+from coopenv.arrays import number, positive, whole
 from coopenv.config import TransportConfig
 from coopenv.envs import registry
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.files import written
+from coopenv.files import reading, written
 
 from . import partners
+from .seeds import BLOCK, training_seeds
+
+MOST = {  # beyond, a network's numbers overflow or worlds share seeds
+    "num_worlds": BLOCK // 2,
+    "threads": 1024,
+    "learning_rate": 1.0,
+    "clip_range": 1e6,
+    "initial_std": 1e3,
+    "entropy_weight": 1e6,
+}
 
 NOTED = ("provenance",)  # entries of config.json that others write beside the settings
 
@@ -127,9 +137,10 @@ class TrainConfig:
     """Folder for the policy, logs and pictures."""
 
     def __post_init__(self) -> None:
-        counts = ("steps", "num_worlds", "rollout", "batch_size", "epochs", "checkpoint_every")
-        for name in (*counts, "threads"):
+        counts = ("steps", "num_worlds", "rollout", "epochs", "checkpoint_every", "threads")
+        for name in counts:
             whole(getattr(self, name), name, at_least=1)
+        whole(self.batch_size, "batch_size", at_least=2)  # advantages are normalised in it
         whole(self.seed, "seed", at_least=0)
         if self.steps <= self.num_worlds * self.rollout:  # the last update's rate is zero
             raise InvalidInput(
@@ -144,6 +155,7 @@ class TrainConfig:
                 f"discount and gae_lambda must be at most 1, got {self.discount} and "
                 f"{self.gae_lambda}; lower them"
             )
+        _check_numbers(self)
         if isinstance(self.environment, dict):  # as JSON brings it back
             _set = object.__setattr__
             _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))
@@ -178,26 +190,46 @@ class TrainConfig:
         Raises
         ------
         InvalidInput, UnknownName
-            If it is no JSON of a training run.
+            If the file cannot be read, or is none of a training run.
         """
-        try:
+        with reading(path):
             given = json.loads(Path(path).read_text())
-        except ValueError as error:
-            raise InvalidInput(
-                f"path must be of JSON that a training run wrote, got {os.fspath(path)!r}: {error}"
-            ) from error
-        if not isinstance(given, dict):
-            raise InvalidInput(f"{os.fspath(path)} must hold an object, got {given!r:.40}; mend it")
-        return cls.from_dict({name: given[name] for name in given if name not in NOTED})
+        if isinstance(given, dict):
+            given = {name: given[name] for name in given if name not in NOTED}
+        return cls.from_dict(given, os.fspath(path))
 
     @classmethod
-    def from_dict(cls, given: Mapping[str, Any]) -> Self:
-        """The configuration that `to_dict` made plain."""
-        names = {entry.name for entry in fields(cls)}
-        for name in given:
-            if name not in names:
-                raise UnknownName("entry of a training run", name, names)
+    def from_dict(cls, given: Mapping[str, Any], source: str = "a training run") -> Self:
+        """The configuration that `to_dict` made plain, from ``source``."""
+        _check_names(given, f"entry of {source}", cls)
+        environment = given.get("environment", {})
+        _check_names(environment, f"environment's entry of {source}", EnvironmentChoice)
         return cls(**given)
+
+
+def _check_names(given: Any, what: str, kind: type) -> None:
+    """Raise unless ``given`` is a mapping whose names are fields of ``kind``."""
+    names = [entry.name for entry in fields(kind)]
+    if not isinstance(given, Mapping):
+        raise InvalidInput(f"{what} must be a name with a value, got {given!r}; write it again")
+    for name in given:
+        if name not in names:
+            raise UnknownName(what, name, names)
+
+
+def _check_numbers(config: "TrainConfig") -> None:
+    """Raise where a number is beyond what the learner can compute with."""
+    for name, most in MOST.items():
+        if getattr(config, name) > most:
+            raise InvalidInput(
+                f"{name} must be at most {most:,}, got {getattr(config, name):,}; lower it"
+            )
+    training_seeds(config.seed, config.num_worlds)
+    if config.rollout * config.num_worlds < 2:
+        raise InvalidInput("rollout must be at least 2 with one world, got 1; raise it")
+    number(config.entropy_weight, "entropy_weight")
+    for units in config.hidden:
+        whole(units, "hidden", at_least=1)
 
 
 def _tuples(value: dict[str, Any]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from coopenv.errors import MissingExtra
+from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.physics.scene import Box
 
 from .beam.simulation import BeamConfig
@@ -112,6 +112,7 @@ class Dyads:
 
     def run(self) -> None:
         """Read or simulate, analyse, write."""
+        self._check()
         console = _console()
         from .dyads import report, simulation
         from .dyads.analysis import analyse
@@ -134,6 +135,13 @@ class Dyads:
         for note in analysis.notes:
             console.print(f"note: {note}", markup=False, highlight=False)
         _print_files(console, self.out, [*files, *made])
+
+    def _check(self) -> None:
+        for name in ("layout", "platform"):
+            if getattr(self, name) is not None and not self.files:
+                raise InvalidInput(
+                    f"{name} must come with files of recorded trials, got none; name them before it"
+                )
 
     def _recorded(self) -> Table:
         from coopenv.logs import Layout

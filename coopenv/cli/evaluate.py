@@ -5,10 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
+from coopenv.arrays import whole
 from coopenv.cli.environments import RECORDED, Environment, environments_of
 from coopenv.cli.policies import find_policy, labels
 from coopenv.errors import InvalidInput
+from coopenv.files import require_writable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -44,10 +47,7 @@ class Evaluate:
 
         from coopenv.agents.evaluate import save, table
 
-        if not self.policies:
-            raise InvalidInput(
-                "policies must name at least one, got none; for example: coopenv evaluate scripted"
-            )
+        self._check()
         named = dict(zip(labels(self.policies), self.policies, strict=True))
         console, errors = Console(), Console(stderr=True)
         places, notes = environments_of(named, self.environment, self.trust)
@@ -58,6 +58,20 @@ class Evaluate:
         console.print(table(seen, title))
         if self.out is not None:
             save(seen, self.out)
+
+    def _check(self) -> None:
+        """Raise where a policy is missing, a number is wrong or the table cannot be written."""
+        from coopenv.agents.evaluate import table_format
+
+        if not self.policies:
+            raise InvalidInput(
+                "policies must name at least one, got none; for example: coopenv evaluate scripted"
+            )
+        evaluation_seeds(self.seed, whole(self.episodes, "episodes", at_least=1))
+        whole(self.num_worlds, "num_worlds", at_least=1)
+        if self.out is not None:
+            table_format(self.out)
+            require_writable(self.out)
 
     def _seen(
         self, named: Mapping[str, str], places: Mapping[str, Environment], console: "Console"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
+from coopenv.files import reading
 
 if TYPE_CHECKING:
     from coopenv.agents.policy import Policy
@@ -20,14 +21,15 @@ def find_policy(name: str, config: TransportConfig) -> "Policy":
         return find_controller(config, **({"method": allocation} if allocation else {}))
     if name == "random":
         return RandomPolicy(config)
-    if not Path(name).is_file():
-        raise InvalidInput(
-            f"policy must be random, scripted or the file of a trained policy, got {name!r}; "
-            "coopenv train writes such a file"
-        )
     from coopenv.agents.sb3 import SB3Policy
 
-    return SB3Policy.load(name)
+    with reading(name):
+        if not Path(name).is_file():
+            raise InvalidInput(
+                f"policy must be random, scripted or the file of a trained policy, got {name!r}; "
+                "coopenv train writes such a file"
+            )
+        return SB3Policy.load(name)
 
 
 def labels(names: Sequence[str]) -> list[str]:

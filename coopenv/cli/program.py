@@ -8,10 +8,13 @@ import sys
 from collections.abc import Sequence
 from typing import Protocol
 
+from coopenv.cli import terminal, version
+from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
-from coopenv.errors import CoopenvError, MissingExtra
+from coopenv.errors import CoopenvError
+from coopenv.files import file_trouble
 from coopenv.logs.command import Decompose
 
 
@@ -32,34 +35,60 @@ COMMANDS: dict[str, type[Command]] = {
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command that ``arguments`` (by default those of the process) name."""
+    """Run the command that ``arguments`` (by default those of the process) name.
+
+    What a user can mend is told in one line; an error of the package's own shows its traceback.
+
+    Returns
+    -------
+    0 if it is done; 1 if it was refused or failed, for the reason that is printed, or if nobody
+    reads the output any more; 130 if it was interrupted.
+
+    Raises
+    ------
+    SystemExit
+        With 0 after help, with 2 where the options make no sense.
+    """
+    terminal.make_legible()
+    given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        _read(arguments).run()
-    except CoopenvError as error:
-        print(f"coopenv: {error}", file=sys.stderr)
+        _run(given)
+        terminal.flush()
+    except BrokenPipeError:  # the reader, such as head, has had enough
+        terminal.close()
         return 1
+    except CoopenvError as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(str(file_trouble(error)))
+    except (MemoryError, RuntimeError) as error:
+        if not _is_out_of_memory(error):
+            raise
+        return _failed(f"memory must suffice, got: {error}; use fewer worlds, steps or units")
     except KeyboardInterrupt as stop:
-        print(f"coopenv: {str(stop) or 'interrupted'}", file=sys.stderr)
+        said = str(stop) or "interrupted"
+        print(f"{PROGRAM}: {said}", file=sys.stderr)
         return 130
     return 0
 
 
-def _read(arguments: Sequence[str] | None) -> Command:
-    """The command and its options; tyro prints help and stops where they make no sense."""
+def _run(arguments: Sequence[str]) -> None:
+    if arguments[:1] in (["--version"], ["-V"]):
+        print(version.report())
+    else:
+        read(arguments, COMMANDS).run()
+
+
+def _failed(why: str) -> int:
+    """Say why, and what else can be written of the output."""
+    print(f"{PROGRAM}: {why}", file=sys.stderr)
     try:
-        import tyro
-    except ImportError as error:
-        wanted = list(sys.argv[1:] if arguments is None else arguments)[:1]
-        extra = "analysis" if wanted == ["decompose"] else "train"
-        raise MissingExtra("the command line", extra) from error
-    return tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
-        prog="coopenv",
-        description="Learn to carry things together.",
-        args=arguments,
-        config=(
-            tyro.conf.OmitArgPrefixes,
-            tyro.conf.OmitSubcommandPrefixes,
-            tyro.conf.PositionalRequiredArgs,
-        ),
-    )
+        terminal.flush()
+    except OSError:
+        terminal.close()
+    return 1
+
+
+def _is_out_of_memory(error: Exception) -> bool:
+    """Whether memory did not suffice; torch says so by a RuntimeError."""
+    return isinstance(error, MemoryError) or "t allocate memory" in str(error)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from coopenv.agents.studies.commands import Beam, Dyads, WalkerAvoid, WalkerTurn
+from coopenv.files import require_folder
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -12,5 +13,6 @@ class Study:
     study: WalkerTurn | WalkerAvoid | Beam | Dyads
 
     def run(self) -> None:
-        """Run it."""
+        """Run it, if its folder can be written."""
+        require_folder(self.study.out)
         self.study.run()

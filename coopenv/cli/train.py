@@ -7,9 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import TrainConfig
+from coopenv.arrays import whole
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
+from coopenv.files import require_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,8 +35,12 @@ class Train:
     gif: bool = True
     """Draw an episode of the trained policy."""
 
+    def __post_init__(self) -> None:
+        evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))
+
     def run(self) -> None:
         """Train, evaluate, draw."""
+        require_folder(self.training.out)
         from rich.console import Console
 
         from coopenv.agents.train import train

@@ -11,10 +11,30 @@ from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING, Entry, find_blo
 from coopenv.observation.block import Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, named_partner
+from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 from coopenv.tasks import TASKS, Task, TransportTask
 
 ALIASES = ("max_episode_steps", "max_cycles")  # of the horizon: Gymnasium's word, PettingZoo's
+
+ELSEWHERE = {  # words that are no keyword of an environment -> where they belong
+    **{
+        entry.name: f"pass {name}={kind.__name__}({entry.name}=...)"
+        for name, kind in (*(("task", kind) for kind in TASKS), ("scene", Scene), ("body", Body))
+        for entry in fields(kind)
+    },
+    **dict.fromkeys(
+        ("n_envs", "num_envs", "num_worlds"),
+        "pass num_envs to gymnasium.make_vec, or num_worlds to coopenv.Transport",
+    ),
+    **dict.fromkeys(("n_agents", "num_agents"), "pass body=Body(grips=...), one an agent"),
+    **dict.fromkeys(("delay", "noise"), "pass observe=(Sensor('twist', ...), ...)"),
+    **dict.fromkeys(("gamma", "discount"), "discounting is the learner's"),
+    "length": "pass body=Body.beam(length=...)",
+    "options": "pass it to reset",
+    "seed": "pass it to reset, as reset(seed=...)",
+    "weights": "pass reward=rewards.PRESETS['task'].with_weights(...)",
+}
 
 
 def complete(
@@ -43,7 +63,7 @@ def complete(
             values["horizon"] = steps
     for name in values:
         if name not in known:
-            raise UnknownName("environment keyword", name, known)
+            raise UnknownName("environment keyword", name, known, ELSEWHERE)
     return values
 
 

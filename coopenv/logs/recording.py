@@ -9,7 +9,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
-from coopenv.logs.access import reading
+from coopenv.files import reading
 from coopenv.logs.assumptions import assumptions
 from coopenv.logs.convert import Measured, in_si, turned_over
 from coopenv.logs.faults import Faults

@@ -6,8 +6,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files import written
-from coopenv.logs.access import require_file, require_writable, writing
+from coopenv.files import require_file, require_writable, writing, written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.consistency import Check
 from coopenv.logs.figure import Picture
@@ -73,8 +72,9 @@ def decompose_file(
         said_part = stack.enter_context(_begun(said))
         sink = open_sink(part)
         try:
-            collector, check = _fill(sink, reader, settings, drawing, report)
-            sink.close()
+            with writing(table):
+                collector, check = _fill(sink, reader, settings, drawing, report)
+                sink.close()
         except BaseException:
             with suppress(OSError, ValueError):  # what went wrong first is what is told
                 sink.abandon()

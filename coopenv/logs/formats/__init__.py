@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.logs.access import reading, require_file
+from coopenv.files import reading, require_file
 from coopenv.logs.formats.chunks import Format, Sink, Source
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource

@@ -1,0 +1,109 @@
+"""Reading of the command line: which command, and its options."""
+
+import io
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import redirect_stderr
+from dataclasses import fields, is_dataclass
+from typing import Annotated, Any, Union, get_type_hints
+
+from coopenv.errors import CoopenvError, MissingExtra, likely
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
+
+PROGRAM = "coopenv"
+ABOUT = (
+    "Learn to carry things together. coopenv --version says which libraries are used. Exit codes: "
+    "0 done; 1 refused or failed, with the reason; 2 options that make no sense; 130 interrupted."
+)
+
+
+def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
+    """The command that arguments name, with their options; help if there are none.
+
+    Raises
+    ------
+    CoopenvError
+        If a value breaks its rule.
+    MissingExtra
+        If the library that reads options is not installed.
+    SystemExit
+        After help, with 0, and after an explanation of what makes no sense, with 2.
+    """
+    try:
+        import tyro
+    except ImportError as error:
+        extra = "analysis" if list(arguments[:1]) == ["decompose"] else "train"
+        raise MissingExtra("the command line", extra) from error
+    kinds = [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in commands.items()]
+    explained = io.StringIO()
+    try:
+        with redirect_stderr(explained):
+            return tyro.cli(
+                Union[tuple(kinds)],  # pyright: ignore[reportArgumentType]  # noqa: UP007
+                prog=PROGRAM,
+                description=ABOUT,
+                args=list(arguments) or ["--help"],
+                config=(
+                    tyro.conf.OmitArgPrefixes,
+                    tyro.conf.OmitSubcommandPrefixes,
+                    tyro.conf.PositionalRequiredArgs,
+                ),
+            )
+    except SystemExit as stopped:
+        for error in _causes(stopped):
+            if isinstance(error, CoopenvError):  # in our words, without those of the reader
+                raise error from None
+        said = _meant(arguments, commands) or explained.getvalue().rstrip()
+        if said:
+            print(said, file=sys.stderr)
+        raise
+
+
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """An error, and those in whose handling it was raised."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
+
+
+def _meant(arguments: Sequence[str], commands: Mapping[str, type]) -> str | None:
+    """One line about the first option that is called otherwise; None where all are known."""
+    if not arguments or arguments[0] not in commands:
+        return None
+    known = set(_options(commands[arguments[0]])) | {"help"}
+    for given in arguments[1:]:
+        option = given.partition("=")[0]
+        name = option.removeprefix("--").removeprefix("no-").replace("-", "_")
+        if not option.startswith("--") or name in known:
+            continue
+        place = _place(name)
+        meant = f"--{place}" if place and place.split()[0] in known else likely(name, known)
+        if meant is not None:
+            meant = meant if meant.startswith("--") else f"--{meant.replace('_', '-')}"
+            return (
+                f"{PROGRAM}: option must be one of coopenv {arguments[0]} --help, got {option}; "
+                f"did you mean {meant}?"
+            )
+    return None
+
+
+def _place(name: str) -> str | None:
+    """How to write a number of body or scene as an option: ``body mass=...``."""
+    group, dot, entry = name.partition(".")
+    if dot:
+        return f"{group} {entry}=..."
+    for group, kind in (("body", Body), ("scene", Scene)):
+        if name in {entry.name for entry in fields(kind)}:
+            return f"{group} {name}=..."
+    return None
+
+
+def _options(kind: type) -> Iterator[str]:
+    """Names of the options of a command, those of its parts too."""
+    types = get_type_hints(kind)
+    for entry in fields(kind):
+        if is_dataclass(types[entry.name]):
+            yield from _options(types[entry.name])  # pyright: ignore[reportArgumentType]
+        else:
+            yield entry.name

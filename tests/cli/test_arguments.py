@@ -1,0 +1,103 @@
+"""How the command line is read: help, version, exit codes, and what an unknown option means."""
+
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("tyro")
+pytest.importorskip("stable_baselines3")
+
+from coopenv import cli
+
+
+def stopped(*arguments: str) -> int | str | None:
+    with pytest.raises(SystemExit) as raised:
+        cli.main(arguments)
+    return raised.value.code
+
+
+def test_nothing_asked_for_is_answered_by_help(capsys):
+    assert stopped() == 0
+    printed = capsys.readouterr().out
+    for word in (*cli.COMMANDS, "--version", "Exit codes", "130"):
+        assert word in printed
+
+
+@pytest.mark.parametrize("option", ["--version", "-V"])
+def test_versions_are_told_one_a_line(option, capsys):
+    assert cli.main([option]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines][:3] == ["coopenv", "python", "numpy"]
+    assert "torch" in "\n".join(lines)
+
+
+def test_the_package_itself_is_the_command():
+    done = subprocess.run(
+        [sys.executable, "-m", "coopenv", "train", "--help"], capture_output=True, text=True
+    )
+    assert done.returncode == 0
+    assert done.stdout.startswith("usage: coopenv train")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        (("train", "--lr", "3"), "--learning-rate"),
+        (("train", "--gamma=0.9"), "--discount"),
+        (("train", "--n-steps", "3"), "--rollout"),
+        (("train", "--n_envs", "3"), "--num-worlds"),
+        (("train", "--max-steps", "3"), "--horizon"),
+        (("train", "--total-timesteps", "3"), "--steps"),
+        (("train", "--stepz", "3"), "--steps"),
+        (("evaluate", "random", "--n-envs", "3"), "--num-worlds"),
+        (("decompose", "a.csv", "--output", "3"), "--out"),
+    ],
+)
+def test_an_option_of_other_tools_is_told_its_name_here(arguments, meant, capsys):
+    assert stopped(*arguments) == 2
+    printed = capsys.readouterr().err
+    assert f"did you mean {meant}?" in printed
+    assert printed.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("train", "--frobnicate", "3"),
+        ("train", "--steps", "many"),
+        ("train", "--action", "forces"),
+        ("trian",),
+        ("study", "--out", "x"),
+        ("decompose",),
+    ],
+)
+def test_what_makes_no_sense_is_explained_without_names_from_inside(arguments, capsys):
+    assert stopped(*arguments) == 2
+    printed = capsys.readouterr().err
+    assert printed.strip()
+    for inside in ("dummy", "training.", "TrainConfig", "Traceback", "<class"):
+        assert inside not in printed
+
+
+HIDE = "import sys; sys.modules.update(dict.fromkeys(['tyro', 'rich', 'torch', 'pandas']));"
+
+
+@pytest.mark.parametrize(
+    ("command", "extra"),
+    [("decompose a.csv", "analysis"), ("train", "train"), ("evaluate random", "train")],
+)
+def test_a_bare_install_asks_for_the_extra_of_the_command(command, extra):
+    program = f"{HIDE} from coopenv import cli; sys.exit(cli.main({command.split()}))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr == (
+        f"coopenv: the command line needs an optional package; pip install 'coopenv[{extra}]'\n"
+    )
+
+
+def test_a_bare_install_tells_its_versions():
+    program = f"{HIDE} from coopenv import cli; sys.exit(cli.main(['--version']))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("coopenv ")
