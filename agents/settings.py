@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -14,6 +14,7 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import reading, written
 
 from . import partners
+from .overrides import GROUPS, changed
 from .seeds import BLOCK, training_seeds
 
 MOST = {  # beyond, a network's numbers overflow or worlds share seeds
@@ -49,6 +50,17 @@ class EnvironmentChoice:
     lagging, noisy, stubborn, load_sharing, switching, population, walking, robot
     (coopenv.agents.partners)."""
 
+    body: tuple[str, ...] = ()
+    """Numbers of the body: mass=4 linear_drag=2 "grips=[[-0.9, 0], [0.9, 0]]"."""
+    scene: tuple[str, ...] = ()
+    """Of the room: size=[8,6] friction=0.5."""
+    task: tuple[str, ...] = ()
+    """Of the task, its tolerances for example: position_tolerance=0.1."""
+    randomise: tuple[str, ...] = ()
+    """What every episode draws anew, lowest and highest: mass=[4,9]."""
+    weights: tuple[str, ...] = ()
+    """Of the reward's terms: progress=5 relative_cost=0.3."""
+
     def config(self) -> TransportConfig:
         """The environment's whole configuration.
 
@@ -57,7 +69,7 @@ class EnvironmentChoice:
         UnknownName
             If the id, the preset or a block does not exist.
         """
-        return find_config(self.env, self._given())
+        return self._changed(find_config(self.env, self._given()))
 
     def over(self, config: TransportConfig) -> TransportConfig:
         """``config`` with what this choice names but its id.
@@ -68,14 +80,28 @@ class EnvironmentChoice:
             If the preset or a block does not exist, or does not go with the rest.
         """
         rest = {entry.name: getattr(config, entry.name) for entry in fields(config)}
-        return TransportConfig.parse(self._given(), rest)
+        return self._changed(TransportConfig.parse(self._given(), rest))
 
     def _given(self) -> dict[str, Any]:
         return {
             name: value
             for name, value in asdict(self).items()
-            if name != "env" and value is not None
+            if name not in ("env", *GROUPS) and value is not None
         }
+
+    def _changed(self, config: TransportConfig) -> TransportConfig:
+        return changed(config, {name: getattr(self, name) for name in GROUPS})
+
+    def over_file(self, file: "EnvironmentChoice") -> "EnvironmentChoice":
+        """Take the numbers of body, scene and so on in ``file`` that are not given here."""
+        groups = {name: (getattr(file, name), getattr(self, name)) for name in GROUPS}
+        return replace(
+            self,
+            **{
+                name: own if own == theirs else (*theirs, *own)
+                for name, (theirs, own) in groups.items()
+            },
+        )
 
 
 def find_config(env: str | TransportConfig, keywords: dict[str, Any]) -> TransportConfig:
@@ -220,14 +246,15 @@ def _check_names(given: Any, what: str, kind: type) -> None:
 def _check_numbers(config: "TrainConfig") -> None:
     """Raise where a number is beyond what the learner can compute with."""
     for name, most in MOST.items():
-        if getattr(config, name) > most:
+        if number(getattr(config, name), name) > most:
             raise InvalidInput(
                 f"{name} must be at most {most:,}, got {getattr(config, name):,}; lower it"
             )
     training_seeds(config.seed, config.num_worlds)
     if config.rollout * config.num_worlds < 2:
         raise InvalidInput("rollout must be at least 2 with one world, got 1; raise it")
-    number(config.entropy_weight, "entropy_weight")
+    if not isinstance(config.hidden, Sequence) or isinstance(config.hidden, str):
+        raise InvalidInput(f"hidden must be sizes of layers, got {config.hidden!r}; list them")
     for units in config.hidden:
         whole(units, "hidden", at_least=1)
 

@@ -26,7 +26,7 @@ from coopenv.errors import SYNONYMS, UnknownName, likely
 )
 def test_a_keyword_of_elsewhere_is_told_its_place(given, remedy):
     with pytest.raises(UnknownName, match=f"got '{given}'; .*{remedy}"):
-        gymnasium.make("coopenv/BeamTransport-v0", **{given: 3})
+        gymnasium.make("coopenv/BeamTransport-v0", **{given: 3})  # pyright: ignore[reportArgumentType]
     with pytest.raises(UnknownName, match=f"got '{given}'; .*{remedy}"):
         coopenv.TransportConfig.parse({given: 3})
 

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stderr
 from dataclasses import fields, is_dataclass
+from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Any, Union, get_type_hints
 
 from coopenv.errors import CoopenvError, MissingExtra, likely
@@ -35,11 +37,15 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
     except ImportError as error:
         extra = "analysis" if list(arguments[:1]) == ["decompose"] else "train"
         raise MissingExtra("the command line", extra) from error
-    kinds = [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in commands.items()]
+    file = _from_file(arguments, commands)
+    kinds: list[Any] = []
+    for name, kind in commands.items():
+        default = {"default": file} if type(file) is kind else {}
+        kinds.append(Annotated[kind, tyro.conf.subcommand(name, **default)])
     explained = io.StringIO()
     try:
         with redirect_stderr(explained):
-            return tyro.cli(
+            command: Any = tyro.cli(  # pyright: ignore[reportCallIssue]
                 Union[tuple(kinds)],  # pyright: ignore[reportArgumentType]  # noqa: UP007
                 prog=PROGRAM,
                 description=ABOUT,
@@ -50,6 +56,7 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
                     tyro.conf.PositionalRequiredArgs,
                 ),
             )
+        return command if file is None else command.over(file)
     except SystemExit as stopped:
         for error in _causes(stopped):
             if isinstance(error, CoopenvError):  # in our words, without those of the reader
@@ -58,6 +65,17 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
         if said:
             print(said, file=sys.stderr)
         raise
+
+
+def _from_file(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
+    """The command with the options of the file that ``--config`` names; None without it."""
+    configured = getattr(commands.get(next(iter(arguments), "")), "configured", None)
+    path = None
+    for option, following in pairwise([*arguments, ""]):
+        name, equals, value = option.partition("=")
+        if name == "--config":
+            path = value if equals else following
+    return configured(Path(path)) if configured is not None and path else None
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:

@@ -1,13 +1,14 @@
 """``coopenv evaluate``: compare policies on the same held-out episodes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
 from coopenv.arrays import whole
+from coopenv.cli import configfile
 from coopenv.cli.environments import RECORDED, Environment, environments_of
 from coopenv.cli.policies import find_policy, labels
 from coopenv.errors import InvalidInput
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from coopenv.agents.evaluate import Evaluation
+try:
+    import tyro
+except ImportError:  # asked for where the command line is read
+    POSITIONAL: Any = None
+else:
+    POSITIONAL = tyro.conf.Positional
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +34,7 @@ class Evaluate:
     of the environment change; random and scripted in that of the first trained one.
     """
 
-    policies: tuple[str, ...]
+    policies: Annotated[tuple[str, ...], POSITIONAL] = ()
     """Files of trained policies, random, scripted, or scripted:nonsqueezing and the like."""
     environment: EnvironmentChoice = field(default_factory=lambda: EnvironmentChoice(env=RECORDED))
     episodes: int = 500
@@ -40,6 +47,18 @@ class Evaluate:
     """File for the table, .csv or .json."""
     trust: tuple[str, ...] = ()
     """Modules of your own that recorded environments may import, rewards of yours for example."""
+    config: Path | None = None
+    """.toml or .json file with options under environment and evaluation; those that are given
+    win."""
+
+    @classmethod
+    def configured(cls, path: Path) -> Self:
+        """The command with the options of a file."""
+        return cls(**configfile.evaluation(path, cls().environment), config=path)
+
+    def over(self, file: Self) -> Self:
+        """The command, its environment's numbers over those of the command from a file."""
+        return replace(self, environment=self.environment.over_file(file.environment))
 
     def run(self) -> None:
         """Evaluate and print the table."""

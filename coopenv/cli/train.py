@@ -2,14 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import TrainConfig
 from coopenv.arrays import whole
+from coopenv.cli import configfile
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
 from coopenv.files import require_folder
@@ -34,6 +35,18 @@ class Train:
     """Held-out episodes of the comparison."""
     gif: bool = True
     """Draw an episode of the trained policy."""
+    config: Path | None = None
+    """.toml or .json file with options, such as config.json of a run; those that are given win."""
+
+    @classmethod
+    def configured(cls, path: Path) -> Self:
+        """The command with the options of a file."""
+        return cls(**configfile.training(path), config=path)
+
+    def over(self, file: Self) -> Self:
+        """The command, its environment's numbers over those of the command from a file."""
+        environment = self.training.environment.over_file(file.training.environment)
+        return replace(self, training=replace(self.training, environment=environment))
 
     def __post_init__(self) -> None:
         evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))

@@ -1,0 +1,108 @@
+"""Files of options, ``--config``: TOML or JSON in the form of a run's ``config.json``.
+
+On top are the options of ``coopenv train``, under ``environment`` those that say which environment
+it is, under ``evaluation`` the options of ``coopenv evaluate``. Both commands take the same file;
+what is given on the command line wins.
+"""
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+from coopenv.agents.overrides import GROUPS, entries_of
+from coopenv.agents.settings import NOTED, EnvironmentChoice, TrainConfig
+from coopenv.errors import InvalidInput, UnknownName
+from coopenv.files import reading
+
+ENVIRONMENT = tuple(entry.name for entry in fields(EnvironmentChoice))
+TRAINING = tuple(entry.name for entry in fields(TrainConfig))
+COMPARISON = ("episodes", "gif")  # of coopenv train, beside the training's own
+EVALUATION = ("episodes", "seed", "num_worlds", "out")
+PLACES = {
+    **dict.fromkeys(TRAINING, "put it on top of the file, before the first [table]"),
+    **dict.fromkeys(ENVIRONMENT, "put it under [environment]"),
+}
+
+
+def load(path: Path) -> dict[str, Any]:
+    """The content of a file of options, of which every name is known.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be read, is neither TOML nor JSON, or has another form.
+    UnknownName
+        If a name is not an option.
+    """
+    if path.suffix not in (".toml", ".json"):
+        raise InvalidInput(f"config must be a .toml or .json file, got {str(path)!r}; rename it")
+    with reading(path):
+        text = path.read_text(encoding="utf-8")
+        content = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+    top = (*TRAINING, *COMPARISON, "evaluation")
+    if isinstance(content, dict):  # what a run notes beside its options is no option
+        content = {name: content[name] for name in content if name not in NOTED}
+    content = _checked(content, f"option in {path}", top)
+    for name, known in (("environment", ENVIRONMENT), ("evaluation", EVALUATION)):
+        content[name] = _checked(content.get(name, {}), f"option in {path}, {name}", known)
+    return content
+
+
+def training(path: Path) -> dict[str, Any]:
+    """Options of ``coopenv train`` in a file, as its fields."""
+    content = load(path)
+    values = {name: content[name] for name in TRAINING if name in content}
+    values["environment"] = environment(content["environment"], EnvironmentChoice())
+    if isinstance(values.get("hidden"), list):
+        values["hidden"] = tuple(values["hidden"])
+    if "out" in values:
+        values["out"] = _path(values["out"])
+    comparison = {name: content[name] for name in COMPARISON if name in content}
+    if not isinstance(comparison.get("gif", True), bool):
+        raise InvalidInput(f"gif must be true or false, got {comparison['gif']!r}; write one")
+    return {"training": TrainConfig(**values), **comparison}
+
+
+def evaluation(path: Path, start: EnvironmentChoice) -> dict[str, Any]:
+    """Options of ``coopenv evaluate`` in a file, as its fields."""
+    content = load(path)
+    values = dict(content["evaluation"])
+    if "out" in values:
+        values["out"] = _path(values["out"])
+    return {"environment": environment(content["environment"], start), **values}
+
+
+def environment(given: Mapping[str, Any], start: EnvironmentChoice) -> EnvironmentChoice:
+    """What a file says of the environment, over ``start``."""
+    values = {
+        name: entries_of(value, name) if name in GROUPS else _plain(value, name)
+        for name, value in given.items()
+    }
+    return replace(start, **values)
+
+
+def _checked(content: Any, what: str, known: Iterable[str]) -> dict[str, Any]:
+    if not isinstance(content, dict):
+        raise InvalidInput(f"{what} must be a name with a value, got {content!r}; write a table")
+    names = {name: name.replace("-", "_") for name in content}
+    for name in names.values():
+        if name not in known:
+            raise UnknownName(what, name, known, PLACES)
+    return {names[name]: value for name, value in content.items()}
+
+
+def _plain(value: Any, name: str) -> Any:
+    if name == "observe" and isinstance(value, list):
+        return tuple(value)
+    if name == "env" and not isinstance(value, str):
+        raise InvalidInput(f"env must be an id, got {value!r}; coopenv/BeamTransport-v0 is one")
+    return value
+
+
+def _path(value: Any) -> Path:
+    if not isinstance(value, str):
+        raise InvalidInput(f"out must be the name of a place, got {value!r}; put it in quotes")
+    return Path(value)
