@@ -92,12 +92,13 @@ class Person:
         self._kind = mind.traits[:, 0, traits.KIND].astype(np.int64)  # others may keep the old one
         self._reach[worlds] = np.hypot(*np.moveaxis(start.conditions.load.outline, -1, 0)).max(1)
         grips = start.team.grips
-        if not np.array_equal(self._grips[worlds], grips):
+        moved = not np.array_equal(self._grips[worlds], grips)
+        if moved:
             self._grips[worlds] = grips
             self._allocation[worlds] = _allocation(grips, self._width)
         if self._way is None and (rows[..., traits.ROLE] == traits.WALKS).any():
-            self._way = Way(self._config)
-        if self._way is not None:
+            self._way, moved = Way(self._config), True
+        if self._way is not None and moved:
             self._parts_on_way = self._way.parts(self._grips, self._allocation)
 
     def act(self, transition: Transition) -> FloatArray:

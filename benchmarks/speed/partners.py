@@ -8,9 +8,12 @@ from benchmarks.speed.transport import REPEATS, bare_steps, full_steps, random_a
 from coopenv import Transport, TransportTask
 from coopenv.agents.partners import PARTNERS
 from coopenv.arrays import FloatArray
+from coopenv.envs.registry import PREFIX, find_config
 
 WORLDS = 1024
 STEPS = 40  # a run
+WITH_WAYS = ("impedance", "walking", "robot")
+ENVIRONMENTS = ("BeamTransport", "BeamDoorway", "BeamTracking", "WalkerTurn", "WalkerAvoid")
 TARGET = 1.0  # what a partner adds to a step, to bare pymunk at the same substeps
 
 
@@ -27,7 +30,23 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
         "second / bare",
         "own / bare",
     ]
-    return [(title, columns, _costs())]
+    ways = f"Partners' own work in {WORLDS:,} worlds [µs/world]: who knows the way has to find it"
+    return [(title, columns, _costs()), (ways, ["environment", *WITH_WAYS], _ways())]
+
+
+def _ways() -> list[list[str]]:
+    """A line an environment: the own work of a partner that heads straight, and of two others."""
+    lines = []
+    for env in ENVIRONMENTS:
+        cores = [
+            Transport(num_worlds=WORLDS, config=find_config(f"{PREFIX}{env}-v0", {"partner": name}))
+            for name in WITH_WAYS
+        ]
+        for core in cores:
+            core.reset(seed=0)
+        runs = [[_own_work(core) for core in cores] for _ in range(REPEATS)]
+        lines.append([env, *(f"{cost / WORLDS * 1e6:.2f}" for cost in np.median(runs, axis=0))])
+    return lines
 
 
 def _costs() -> list[list[str]]:
