@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, IntArray
+from coopenv.arrays import BoolArray, IntArray, whole
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
@@ -131,6 +131,7 @@ class TransportVecEnv(VecEnv):
         """Seed world k with ``seed + k`` at the next reset; all rows of a world have its seed."""
         if seed is None:
             seed = int(np.random.default_rng().integers(2**31))
+        seed = whole(seed, "seed", at_least=0)
         self._seeds = [seed + row // self._rows for row in range(self.num_envs)]
         return self._seeds
 

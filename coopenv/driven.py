@@ -5,7 +5,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array
+from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, number_array, plain_array
 from coopenv.compiled import compiled
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
@@ -85,7 +85,7 @@ class DrivenByPartner(DrivenAgents):
         self, action: FloatArray, before: Transition, restart: BoolArray | None = None
     ) -> FloatArray:
         """See `DrivenAgents.joint`."""
-        wrench = np.asarray(self.player.act(before), dtype=np.float64)
+        wrench = number_array(self.player.act(before), "wrenches of the partner")
         if wrench.shape != self._shape:
             raise InvalidInput(
                 f"wrenches of the partner must have shape (world, driven agent, 3) = "
@@ -132,12 +132,9 @@ def read_action(
     Raises
     ------
     InvalidInput
-        If they have another shape, or another world's are not finite.
+        If they have another shape or are no real numbers, or another world's are not finite.
     """
-    try:
-        given = np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError):
-        given = finite_array(action, "action")  # raises, saying what is wrong
+    given = plain_array(action, "action").astype(np.float64, copy=False)
     if given.shape != shape:
         raise InvalidInput(
             f"action must have shape (world, agent, {shape[2]}) = {shape}, "

@@ -10,7 +10,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, Range, between, number_range, positive_range
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.physics.body import Body, Points, copied, second_moments
+from coopenv.physics.body import LEAST, Body, Points, copied, second_moments
 
 _FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
 _LIMITS = ("force_limit", "torque_limit")
@@ -55,7 +55,8 @@ class Ranges:
             if name == "grips":
                 given = _grips(value, label)
             else:
-                given = positive_range(value, label, or_zero=name in _MAY_BE_ZERO)
+                least = LEAST if name in ("mass", "inertia") else 0.0
+                given = positive_range(value, label, or_zero=name in _MAY_BE_ZERO, at_least=least)
             object.__setattr__(self, name, given)
         self._check_logarithmic()
 

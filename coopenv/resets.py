@@ -1,13 +1,22 @@
 """Validation of reset arguments, and drawing of the episodes that a reset begins."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 from gymnasium.utils import seeding
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, whole
+from coopenv.arrays import (
+    FARTHEST,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    booleans,
+    finite_array,
+    whole,
+)
 from coopenv.chance import draw_keys
 from coopenv.conditions import Conditions, Load, Room, Team
 from coopenv.config import TransportConfig
@@ -38,10 +47,10 @@ def _seeds(seed: Seed, worlds: list[int], num_worlds: int) -> list[int | None]:
     if not isinstance(seed, Sequence | np.ndarray):
         first = whole(seed, "seed", at_least=0)
         return [first + k for k in worlds]
-    if len(seed) != num_worlds:
+    if isinstance(seed, str | bytes) or len(seed) != num_worlds:
         raise InvalidInput(
             f"seed must be one number or one for each of {num_worlds} worlds, "
-            f"got {len(seed)}; world k of seed=s is seeded with s + k"
+            f"got {seed!r}; world k of seed=s is seeded with s + k"
         )
     return [None if seed[k] is None else whole(seed[k], "seed", at_least=0) for k in worlds]
 
@@ -50,18 +59,34 @@ def marked_worlds(mask: BoolArray | None, num_worlds: int, *, first: bool) -> In
     """The worlds that ``mask`` marks: at the ``first`` reset it has to be all of them."""
     if mask is None:
         return np.arange(num_worlds)
-    marked = np.asarray(mask)
-    if marked.dtype != np.bool_ or marked.shape != (num_worlds,):
-        raise InvalidInput(
-            f"mask must be {num_worlds} booleans, got {marked.dtype} of shape "
-            f"{marked.shape}; pass for example terminated | truncated"
-        )
+    marked = booleans(mask, "mask", num_worlds)
     if first and not marked.all():
         raise InvalidInput(
             f"mask must mark every world before the first step, got {marked.sum()} of "
             f"{num_worlds}; call reset() once without it"
         )
     return np.flatnonzero(marked)
+
+
+@contextmanager
+def all_or_nothing(generators: list[np.random.Generator | None], may_fail: bool) -> Iterator[None]:
+    """Put generators back as they were if what is done with them fails.
+
+    Where it cannot (``may_fail`` is false), nothing is kept, which would take time.
+    """
+    if not may_fail:
+        yield
+        return
+    kept = list(generators)
+    states = [None if each is None else each.bit_generator.state for each in kept]
+    try:
+        yield
+    except InvalidInput:
+        generators[:] = kept
+        for each, state in zip(kept, states, strict=True):
+            if each is not None:
+                each.bit_generator.state = state
+        raise
 
 
 def given_pose(pose: npt.ArrayLike | None, name: str, num_worlds: int) -> FloatArray | None:
@@ -73,6 +98,10 @@ def given_pose(pose: npt.ArrayLike | None, name: str, num_worlds: int) -> FloatA
         raise InvalidInput(
             f"{name} must have shape (3,) or ({num_worlds}, 3), got {given.shape}; "
             "give x, y [m] and θ [rad]"
+        )
+    if (np.abs(given) > FARTHEST).any():
+        raise InvalidInput(
+            f"{name} must be within {FARTHEST:g} m and rad, got {given.tolist()}; wrap the angle"
         )
     return np.broadcast_to(given, (num_worlds, 3)).copy()
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, whole, with_rows
+from coopenv.arrays import BoolArray, FloatArray, IntArray, booleans, whole, with_rows
 from coopenv.conditions import Team
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.driven import driven_agents, read_action
@@ -16,10 +16,20 @@ from coopenv.observation import Observation
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.physics.world import World
-from coopenv.resets import Draws, Seed, check_free, given_pose, marked_worlds, seed_worlds
+from coopenv.resets import (
+    Draws,
+    Seed,
+    all_or_nothing,
+    check_free,
+    given_pose,
+    marked_worlds,
+    seed_worlds,
+)
 from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
 from coopenv.wrench.grasp import sum_at_centre
+
+MOST_WORLDS = 10**6  # more take hours to make, and more memory than there is
 
 
 class Transport:
@@ -70,7 +80,7 @@ class Transport:
                 "change it with dataclasses.replace"
             )
         self.config = config if config is not None else TransportConfig.parse(keywords)
-        self.num_worlds = whole(num_worlds, "num_worlds", at_least=1)
+        self.num_worlds = whole(num_worlds, "num_worlds", at_least=1, at_most=MOST_WORLDS)
         self.num_agents = self.config.num_agents
         self.learners = self.config.learners
         self.action_size = ACTIONS[self.config.action]
@@ -170,9 +180,12 @@ class Transport:
             )
         given = (pose, "pose"), (goal, "goal")
         check_free(worlds, given, self._draws.scenes)
-        seed_worlds(self.generators, seed, worlds)
-        drawn, drawn_pose, drawn_goal = self._draws.next(self.conditions, self.generators, worlds)
-        check_free(worlds, given, drawn.scenes)
+        with all_or_nothing(self.generators, pose is not None or goal is not None):
+            seed_worlds(self.generators, seed, worlds)
+            drawn, drawn_pose, drawn_goal = self._draws.next(
+                self.conditions, self.generators, worlds
+            )
+            check_free(worlds, given, drawn.scenes)
         self.conditions = drawn
         start = self._start(
             worlds,
@@ -214,7 +227,8 @@ class Transport:
         Raises
         ------
         InvalidInput
-            If the action has the wrong shape or is not finite; nothing has moved then.
+            If the action has the wrong shape, is not finite or of no real numbers, or ``restart``
+            is not one boolean a world; nothing has moved then.
         ResetNeeded
             If a world has ended, or never started.
         """
@@ -228,6 +242,8 @@ class Transport:
 
         For views, which copy before they hand anything out.
         """
+        if restart is not None:
+            restart = booleans(restart, "restart", self.num_worlds)
         before = self._running(restart)
         clipped, applied = self._applied(action, before, restart)
         self.world.step(sum_at_centre(applied, self.team.grips))

@@ -35,6 +35,11 @@ class PotentialShaping:
     weight: float = 1.0  # [reward / unit of the potential]
 
     def __post_init__(self) -> None:
+        if not callable(self.potential):
+            raise InvalidInput(
+                f"potential must be a function of a state, got {self.potential!r}; return "
+                "one number a world"
+            )
         if not 0 < positive(self.discount, "discount") <= 1:
             raise InvalidInput(
                 f"discount must be in (0, 1], got {self.discount!r}; give the trainer's own"

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, number
+from coopenv.arrays import LARGEST, FloatArray, number
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.transition import Transition
 
@@ -35,8 +35,8 @@ class RewardSum(Mapping[str, Term]):
     Raises
     ------
     InvalidInput
-        If there is no term, a name is not a string, a term cannot be called or its weight is not
-        a finite number.
+        If there is no term, a name is not a string, a term cannot be called, its weight is not
+        a finite number or beyond 1e12.
     """
 
     def __init__(self, terms: Mapping[str, Term]):
@@ -44,7 +44,12 @@ class RewardSum(Mapping[str, Term]):
             raise InvalidInput("reward must have at least one term, got none; see rewards.PRESETS")
         for name, term in terms.items():
             if hasattr(term, "weight"):
-                number(term.weight, f"weight of reward {name!r}")  # pyright: ignore[reportAttributeAccessIssue]
+                weight = number(term.weight, f"weight of reward {name!r}")  # pyright: ignore[reportAttributeAccessIssue]
+                if abs(weight) > LARGEST:
+                    raise InvalidInput(
+                        f"weight of reward {name!r} must be at most {LARGEST:g}, got {weight}; "
+                        "lower it"
+                    )
             if not isinstance(name, str) or not callable(term):
                 raise InvalidInput(
                     f"reward must map names to callable terms, got {name!r}: {term!r}; "

@@ -6,11 +6,11 @@ decomposition say what they can tell and what not; `docs/decomposition.md` compa
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive
+from coopenv.arrays import FloatArray, finite_array, number, positive
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.wrench import Decomposition, Settings
@@ -48,6 +48,9 @@ class Effort:
     weight: float = 1e-4  # [reward / N²]
     torque_weight: float = 1e-4  # [reward / (N·m)²]
 
+    def __post_init__(self) -> None:
+        number(self.torque_weight, "torque_weight")
+
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         x, y, torque = np.moveaxis(transition.applied, -1, 0)
@@ -66,6 +69,9 @@ class InternalForce:
     weight: float = 0.01  # [reward / N]
     settings: Settings | None = None  # another decomposition than the environment's
 
+    def __post_init__(self) -> None:
+        _check_settings(self.settings)
+
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         internal = _decomposition(transition, self.settings).internal
@@ -82,6 +88,9 @@ class InternalTorque:
 
     weight: float = 0.01  # [reward / (N·m)]
     settings: Settings | None = None  # another decomposition than the environment's
+
+    def __post_init__(self) -> None:
+        _check_settings(self.settings)
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
@@ -101,6 +110,9 @@ class RelativeCost:
 
     weight: float = 0.1  # [reward / step]
     settings: Settings | None = None  # another decomposition than the environment's
+
+    def __post_init__(self) -> None:
+        _check_settings(self.settings)
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
@@ -124,6 +136,7 @@ class WastedCost:
 
     def __post_init__(self) -> None:
         positive(self.scale, "scale", unit="N")
+        _check_settings(self.settings)
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
@@ -154,7 +167,7 @@ class LoadShare:
     scale: float | None = 10.0  # [N], of torque [N·m]: what counts as 1; None: the resultant
 
     def __post_init__(self) -> None:
-        if self.of not in ("force", "torque"):
+        if not isinstance(self.of, str) or self.of not in ("force", "torque"):
             raise InvalidInput(f"of must be 'force' or 'torque', got {self.of!r}; choose one")
         if self.scale is not None:
             positive(self.scale, "scale", unit="N" if self.of == "force" else "N·m")
@@ -236,3 +249,11 @@ class TrackingError:
 def _decomposition(transition: Transition, settings: Settings | None) -> Decomposition:
     """That of the environment, or another one that the term asks for."""
     return transition.decomposition if settings is None else transition.decompose(settings)
+
+
+def _check_settings(settings: Any) -> None:
+    if settings is not None and not isinstance(settings, Settings):
+        raise InvalidInput(
+            f"settings must be a coopenv.wrench.Settings or None, got {settings!r}; None is the "
+            "environment's own decomposition"
+        )

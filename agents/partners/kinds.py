@@ -6,6 +6,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, positive
 from coopenv.chance import Chance
+from coopenv.errors import InvalidInput
 
 from ..controllers.guidance import NUM_GAINS, Gains, gains_row
 from . import traits
@@ -39,6 +40,8 @@ class Impedance(Kind):
         _set(self, "offset", checked_span(self.offset, "partner.offset"))
         _set(self, "turn", checked_span(self.turn, "partner.turn", high=np.pi))
         _set(self, "strength", positive(self.strength, "partner.strength"))
+        if not isinstance(self.gains, Gains):
+            raise InvalidInput(f"partner.gains must be Gains, got {self.gains!r}; pass Gains(...)")
 
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""

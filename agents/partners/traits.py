@@ -30,6 +30,8 @@ STAY = 17  # [s] mean time until it switches to its other row; 0: never
 KIND = 18  # number of the population's member
 NUM_TRAITS = 19
 
+MOST_DELAY = 10**4  # control steps; what is delayed is kept in memory
+
 PLANS, FOLLOWS, SHARES, WALKS = 0, 1, 2, 3  # roles
 
 
@@ -84,9 +86,9 @@ def checked_steps(value: Any, name: str) -> Steps:
     """``value`` as a whole number or a pair of them, or raise `InvalidInput`."""
     span = checked_span(value, name)
     if isinstance(span, tuple):
-        low, high = (whole(end, name, at_least=0) for end in value)
+        low, high = (whole(end, name, at_least=0, at_most=MOST_DELAY) for end in value)
         return low, high
-    return whole(value, name, at_least=0)
+    return whole(value, name, at_least=0, at_most=MOST_DELAY)
 
 
 def highest(span: Span | Sequence[float]) -> float:

@@ -32,6 +32,10 @@ from coopenv.wrench import Settings
 
 ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
 
+LONGEST_HORIZON = 10**9  # [control steps]
+STEPS = 1e-9, 1e4  # [s], shortest and longest
+MOST_SUBSTEPS = 10**4  # with more, a control step of one world takes a second
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TransportConfig:
@@ -113,9 +117,9 @@ class TransportConfig:
         _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
-        _set(self, "horizon", whole(self.horizon, "horizon", at_least=1))
-        _set(self, "dt", positive(self.dt, "dt", unit="seconds"))
-        _set(self, "substeps", whole(self.substeps, "substeps", at_least=1))
+        _set(self, "horizon", whole(self.horizon, "horizon", at_least=1, at_most=LONGEST_HORIZON))
+        _set(self, "dt", positive(self.dt, "dt", unit="s", at_least=STEPS[0], at_most=STEPS[1]))
+        _set(self, "substeps", whole(self.substeps, "substeps", at_least=1, at_most=MOST_SUBSTEPS))
         _set(self, "decomposition", built(self.decomposition, "decomposition", Settings))
         if self.randomise is not None:
             _set(self, "randomise", built(self.randomise, "randomise", Ranges))

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from coopenv.arrays import finite_array, whole
+from coopenv.arrays import LARGEST, finite_array, whole
 from coopenv.config.json_form import revived
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING, Entry, find_blocks
@@ -171,7 +171,9 @@ def built(value: Any, name: str, kind: type) -> Any:
         if key not in known:
             raise UnknownName(f"keyword of {name}", key, known)
     if kind is Scene:
-        boxes = tuple(built(box, "scene.obstacles", Box) for box in value.get("obstacles", ()))
+        boxes = value.get("obstacles", ())
+        if isinstance(boxes, Sequence) and not isinstance(boxes, str):  # else Scene says so
+            boxes = tuple(built(box, "scene.obstacles", Box) for box in boxes)
         value = {**value, "obstacles": boxes}
     return kind(**value)
 
@@ -188,10 +190,11 @@ def one_or_more(value: Any, name: str, kind: type) -> Any:
 def read_limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:
     """What an action of 1 stands for: one positive number, or one an agent."""
     limits = finite_array(value, name)
-    if limits.shape not in ((), (num_agents,)) or (limits <= 0).any():
+    out = (limits <= 0) | (limits > LARGEST)
+    if limits.shape not in ((), (num_agents,)) or out.any():
         raise InvalidInput(
-            f"{name} must be positive, one number or one for each of {num_agents} agents, "
-            f"got {value!r}; a torque-free agent is action='force'"
+            f"{name} must be positive, one number or one for each of {num_agents} agents, at most "
+            f"{LARGEST:g}, got {value!r}; a torque-free agent is action='force'"
         )
     return tuple(limits.tolist()) if limits.ndim else limits.item()
 

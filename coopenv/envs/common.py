@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
+from coopenv.arrays import plain_array
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.render.renderer import MODES, Renderer
 from coopenv.transport import Transport
@@ -42,7 +43,7 @@ def team_actions(
     transport: Transport, action: npt.ArrayLike, shape: tuple[int, ...] | None
 ) -> npt.NDArray[Any]:
     """Joint actions of ``shape`` as the core takes them: ``(world, learner, action_size)``."""
-    given = np.asarray(action)
+    given = plain_array(action, "action")
     if given.shape != shape:
         raise InvalidInput(f"action must have shape {shape}, got {given.shape}; see action_space")
     return given.reshape(transport.num_worlds, len(transport.learners), transport.action_size)
@@ -61,7 +62,7 @@ def start_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     Another key warns and is left out: the option dictionary is shared with wrappers, and
     PettingZoo's API test puts a key of its own there.
     """
-    given = dict(options or {})
+    given = options_dict(options)
     for name in set(given).difference(RESET_OPTIONS):
         warnings.warn(
             f"reset options must be among {RESET_OPTIONS}, got {name!r}; it has no effect",
@@ -69,6 +70,18 @@ def start_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
         )
         del given[name]
     return given
+
+
+def options_dict(options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """A copy of a reset's ``options``, or raise `InvalidInput` unless a mapping or ``None``."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise InvalidInput(
+            f"options must be a dict or None, got {options!r}; pass for example "
+            "options={'goal': (1.0, 0.0, 0.0)}"
+        )
+    return dict(options)
 
 
 class Pictures:

@@ -11,6 +11,7 @@ from pettingzoo.utils import wrappers
 from pettingzoo.utils.conversions import parallel_to_aec
 
 from coopenv import info as infos
+from coopenv.arrays import finite_array, plain_array
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     RENDER_MODES,
@@ -126,20 +127,23 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     def _joint(self, actions: Mapping[str, Action | None]) -> npt.NDArray[np.float64]:
         if not self.agents:
             raise ResetNeeded("reset must be called before a step, got an ended episode; reset()")
-        if set(actions) != set(self.agents):
+        if not isinstance(actions, Mapping) or set(actions) != set(self.agents):
+            given = list(actions) if isinstance(actions, Mapping) else actions
             raise InvalidInput(
-                f"actions must have one entry for each of {self.agents}, got {sorted(actions)}; "
+                f"actions must have one entry for each of {self.agents}, got {given}; "
                 "add or drop entries"
             )
-        size = self.transport.action_size
-        rows = [np.asarray(actions[agent]) for agent in self.agents]
-        for agent, row in zip(self.agents, rows, strict=True):
-            if row.shape != (size,):
-                raise InvalidInput(
-                    f"actions[{agent!r}] must have shape ({size},), got {row.shape}; see "
-                    f"action_space({agent!r})"
-                )
-        return np.stack(rows)[None]
+        return np.stack([self.read(agent, actions[agent]) for agent in self.agents])[None]
+
+    def read(self, agent: str, action: Any) -> npt.NDArray[Any]:
+        """One agent's action ``(action_size,)``, or raise `InvalidInput` where it is none."""
+        row, size = plain_array(action, f"actions[{agent!r}]"), self.transport.action_size
+        if row.shape != (size,):
+            raise InvalidInput(
+                f"actions[{agent!r}] must have shape ({size},), got {row.shape}; see "
+                f"action_space({agent!r})"
+            )
+        return row
 
     def _split(self, obs: Observation) -> dict[str, Observation]:
         self._obs = obs[0]
@@ -171,4 +175,18 @@ def _own(info: infos.Info, i: int, row: int) -> infos.Info:
 
 def aec(parallel: TransportParallelEnv) -> AECEnv:
     """The AEC view: agents act in turn, the world moves once all have."""
-    return wrappers.OrderEnforcingWrapper(parallel_to_aec(parallel))
+    return _Turns(parallel)
+
+
+class _Turns(wrappers.OrderEnforcingWrapper):
+    """Refuses an action in its agent's turn: once all have acted, nobody could mend it."""
+
+    def __init__(self, parallel: TransportParallelEnv):
+        super().__init__(parallel_to_aec(parallel))
+        self._parallel = parallel
+
+    def step(self, action: Any) -> None:
+        agent = self.agent_selection
+        if not (self.terminations[agent] or self.truncations[agent]):
+            finite_array(self._parallel.read(agent, action), f"actions[{agent!r}]")
+        super().step(action)

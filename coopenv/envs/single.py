@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv import info as infos
+from coopenv.arrays import whole
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     RENDER_MODES,
@@ -18,6 +19,7 @@ from coopenv.envs.common import (
     team_observation_space,
 )
 from coopenv.envs.spec import Specified
+from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 
 
@@ -68,9 +70,15 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     ) -> tuple[npt.NDArray[np.float32], dict[str, Any]]:
         """Start an episode; ``options`` may give ``pose`` and ``goal`` (x, y, θ)."""
         given = start_options(options)
-        super().reset(seed=seed)
+        kept = self._np_random, self._np_random_seed
+        super().reset(seed=None if seed is None else whole(seed, "seed", at_least=0))
         self.transport.generators[0] = self.np_random
-        obs, info = self.transport.reset(**given)
+        try:
+            obs, info = self.transport.reset(**given)
+        except InvalidInput:  # the episode under way goes on as if nothing had been asked
+            self._np_random, self._np_random_seed = kept
+            self.transport.generators[0] = kept[0]
+            raise
         if self.render_mode == "human":
             self.render()
         return obs.reshape(-1), _team_info(infos.defined(info))

@@ -13,6 +13,7 @@ from coopenv.arrays import BoolArray
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
+    options_dict,
     start_options,
     team_action_space,
     team_actions,
@@ -82,7 +83,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
 
         ``options`` may also give ``pose`` and ``goal``, ``(3,)`` or ``(num_envs, 3)``.
         """
-        given = dict(options or {})
+        given = options_dict(options)
         mask = given.pop("reset_mask", None)
         obs, info = self.transport.reset(seed=seed, mask=mask, **start_options(given))
         started = np.ones(self.num_envs, dtype=np.bool_) if mask is None else np.array(mask)

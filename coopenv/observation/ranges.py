@@ -96,7 +96,7 @@ class RangeReading:
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
-        _set(self, "num_rays", whole(self.num_rays, "num_rays", at_least=1))
+        _set(self, "num_rays", whole(self.num_rays, "num_rays", at_least=1, at_most=1000))
         _set(self, "reach", positive(self.reach, "reach", unit="m"))
         _set(self, "field_of_view", positive(self.field_of_view, "field_of_view", unit="rad"))
         _set(self, "heading", number(self.heading, "heading"))

@@ -13,13 +13,14 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import IntArray, finite_array, whole
+from coopenv.arrays import LARGEST, IntArray, finite_array, whole
 from coopenv.chance import mixed, normal
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.observation.block import Block
 from coopenv.transition import Transition
 
+LONGEST_DELAY = 10**4  # [control steps]; every reading under way is kept
 _LARGEST = float(np.finfo(np.float32).max)
 _NOISE, _BIAS, _LOW, _HIGH = range(4)  # what holds for a feature
 _EPISODE = np.uint64(2**64 - 1)  # in place of a step: what holds for a whole episode
@@ -66,7 +67,8 @@ class Sensor:
             )
         for name in ("noise", "bias"):
             object.__setattr__(self, name, _deviation(getattr(self, name), f"sensor.{name}"))
-        object.__setattr__(self, "delay", whole(self.delay, "sensor.delay", at_least=0))
+        delay = whole(self.delay, "sensor.delay", at_least=0, at_most=LONGEST_DELAY)
+        object.__setattr__(self, "delay", delay)
 
     @property
     def is_random(self) -> bool:
@@ -76,10 +78,11 @@ class Sensor:
 
 def _deviation(value: Any, name: str) -> float | tuple[float, ...]:
     deviation = finite_array(value, name)
-    if deviation.ndim > 1 or not deviation.size or (deviation < 0).any():
+    out = (deviation < 0) | (deviation > LARGEST)
+    if deviation.ndim > 1 or not deviation.size or out.any():
         raise InvalidInput(
-            f"{name} must be zero or positive, one number or one a feature, got {value!r}; it is a "
-            "standard deviation in the block's units"
+            f"{name} must be from 0 to {LARGEST:g}, one number or one a feature, got {value!r}; "
+            "it is a standard deviation in the block's units"
         )
     return tuple(deviation.tolist()) if deviation.ndim else deviation.item()
 

@@ -7,8 +7,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive, whole
+from coopenv.arrays import FARTHEST, FloatArray, finite_array, positive, whole
 from coopenv.errors import InvalidInput
+
+LEAST = 1e-15  # of mass [kg] and inertia [kg·m²]
 
 Points = tuple[tuple[float, float], ...]
 
@@ -57,7 +59,7 @@ class Body:
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
-        _set(self, "mass", positive(self.mass, "body.mass", unit="kg"))
+        _set(self, "mass", positive(self.mass, "body.mass", unit="kg", at_least=LEAST))
         for name, unit in (("linear_drag", "N·s/m"), ("angular_drag", "N·m·s"), ("friction", "")):
             value = positive(getattr(self, name), f"body.{name}", unit=unit, or_zero=True)
             _set(self, name, value)
@@ -65,7 +67,8 @@ class Body:
         _set(self, "grips", _points(self.grips, "body.grips", at_least=1))
         second_moment = _second_moment(np.array(self.outline))  # [m²] per unit mass
         inertia = self.mass * second_moment if self.inertia is None else self.inertia
-        _set(self, "inertia", positive(inertia, "body.inertia", unit="kg·m²"))
+        inertia = positive(inertia, "body.inertia", unit="kg·m²", at_least=LEAST)
+        _set(self, "inertia", inertia)
         if not isinstance(self.nonholonomic, bool | np.bool_):
             raise InvalidInput(
                 f"body.nonholonomic must be True or False, got {self.nonholonomic!r}; "
@@ -79,8 +82,8 @@ class Body:
 
         ``values`` are the other fields of `Body`; ``grips`` among them overrides the ends.
         """
-        half = positive(length, "body.length", unit="m") / 2
-        side = positive(width, "body.width", unit="m") / 2
+        half = positive(length, "body.length", unit="m", at_most=FARTHEST) / 2
+        side = positive(width, "body.width", unit="m", at_most=FARTHEST) / 2
         outline = ((-half, -side), (half, -side), (half, side), (-half, side))
         grips = values.pop("grips", ((-0.9 * half, 0.0), (0.9 * half, 0.0)))
         return cls(outline=outline, grips=grips, **values)
@@ -131,7 +134,7 @@ class Body:
         **values
             The other fields of `Body`; ``grips`` among them overrides those round the rim.
         """
-        num_agents = whole(num_agents, "num_agents", at_least=1)
+        num_agents = whole(num_agents, "num_agents", at_least=1, at_most=1000)
         if size is not None and radius is not None:
             raise InvalidInput(
                 f"radius must be left out beside size, got {radius!r} and {size!r}; a plate is a "
@@ -189,6 +192,10 @@ def _points(value: object, name: str, *, at_least: int) -> Points:
             f"{name} must be at least {at_least} points (x, y), got shape {array.shape}; "
             "pass ((x, y), (x, y), ...) in metres"
         )
+    if (np.abs(array) > FARTHEST).any():
+        raise InvalidInput(
+            f"{name} must lie within {FARTHEST:g} m, got {array.tolist()}; give metres"
+        )
     return _tuples(array)
 
 
@@ -215,8 +222,8 @@ def _is_convex(outline: FloatArray) -> bool:
 
 def _polygon(radius: float, sides: int) -> FloatArray:
     """Corners ``(sides, 2)`` [m] of a regular polygon, the first on the x axis."""
-    radius = positive(radius, "radius", unit="m")
-    sides = whole(sides, "sides", at_least=3)
+    radius = positive(radius, "radius", unit="m", at_most=FARTHEST)
+    sides = whole(sides, "sides", at_least=3, at_most=1000)
     angles = [2 * pi * k / sides for k in range(sides)]
     return radius * np.array([(cos(angle), sin(angle)) for angle in angles])
 
@@ -224,8 +231,11 @@ def _polygon(radius: float, sides: int) -> FloatArray:
 def _rectangle(size: Any) -> FloatArray:
     """Corners ``(4, 2)`` [m] of a rectangle."""
     given = finite_array(size, "size")
-    if given.shape != (2,) or (given <= 0).any():
-        raise InvalidInput(f"size must be two positive numbers, got {size!r}; give metres (x, y)")
+    if given.shape != (2,) or (given <= 0).any() or (given > FARTHEST).any():
+        raise InvalidInput(
+            f"size must be two positive numbers of at most {FARTHEST:g}, got {size!r}; give "
+            "metres (x, y)"
+        )
     return given / 2 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, number, positive
+from coopenv.arrays import FARTHEST, FloatArray, finite_array, number, positive
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import moved
 
@@ -112,4 +112,8 @@ def _pair(value: object, name: str) -> tuple[float, float]:
     array = finite_array(value, name)
     if array.shape != (2,):
         raise InvalidInput(f"{name} must be two numbers, got {value!r}; pass (x, y) in metres")
+    if (np.abs(array) > FARTHEST).any():
+        raise InvalidInput(
+            f"{name} must be within {FARTHEST:g} m, got {value!r}; pass (x, y) in metres"
+        )
     return float(array[0]), float(array[1])

@@ -87,7 +87,7 @@ class Renderer:
                 f"world must be less than the {len(bodies)} worlds there are, got {world}; "
                 "worlds are counted from 0"
             )
-        width = whole(width, "width", at_least=160)
+        width = whole(width, "width", at_least=160, at_most=16384)
         self._window = Window("coopenv", positive(fps, "fps")) if mode == "human" else None
         self._set(bodies[self.world], scenes[self.world])
         self._lay_out(width)

@@ -93,7 +93,7 @@ class TrackingTask(PoseTask):
         PoseTask.__post_init__(self)
         self._check_positive("duration", "speed", "spin", "mean_tolerance")
         _set = object.__setattr__
-        _set(self, "segments", whole(self.segments, "task.segments", at_least=1))
+        _set(self, "segments", whole(self.segments, "task.segments", at_least=1, at_most=1000))
         preview = self.preview
         if isinstance(preview, str) or not isinstance(preview, Sequence) or not preview:
             raise InvalidInput(

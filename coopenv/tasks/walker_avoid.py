@@ -60,7 +60,7 @@ class WalkerAvoidTask(RollingTask):
     def __post_init__(self) -> None:
         TransportTask.__post_init__(self)
         _set = object.__setattr__
-        _set(self, "obstacles", whole(self.obstacles, "task.obstacles", at_least=1))
+        _set(self, "obstacles", whole(self.obstacles, "task.obstacles", at_least=1, at_most=1000))
         _set(self, "obstacle_size", positive_range(self.obstacle_size, "task.obstacle_size"))
         for name in ("approach", "beyond"):
             _set(self, name, positive_range(getattr(self, name), f"task.{name}", or_zero=True))

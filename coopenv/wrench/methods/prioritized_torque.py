@@ -45,7 +45,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Prepared:
     InvalidInput
         If the grips are not two, not planar, or not on a line through the centre of mass.
     """
-    if not on_axis.applies(grips).all():
+    if grips.shape[-2:] != (2, 2) or not on_axis.applies(grips).all():
         raise InvalidInput(
             "grips must be two planar positions on one line through the centre of mass for "
             f"method='prioritized_torque', got {np.array2string(grips, threshold=8)}; use "

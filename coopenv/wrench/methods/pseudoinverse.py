@@ -109,7 +109,7 @@ def _inverse(grips: FloatArray, method: str, masses: Any, inertias: Any) -> Floa
     blocks = _grasp_blocks(grips)
     blocks[..., dimension:, :dimension] *= -1.0
     inverse = blocks / num_effectors
-    return inverse.reshape(*inverse.shape[:-3], -1, inverse.shape[-1])
+    return _as_rows(inverse)
 
 
 def _grasp_blocks(grips: FloatArray) -> FloatArray:
@@ -133,7 +133,13 @@ def _parametrized(grips: FloatArray, masses: Any, inertias: Any) -> FloatArray:
     inverse[..., :dimension, :dimension] = mass[:, None, None] / mass.sum() * np.eye(dimension)
     inverse[..., :dimension, dimension:] = weighted @ angular
     inverse[..., dimension:, dimension:] = inertia @ angular
-    return inverse.reshape(*inverse.shape[:-3], -1, inverse.shape[-1])
+    return _as_rows(inverse)
+
+
+def _as_rows(inverse: FloatArray) -> FloatArray:
+    """Blocks ``(..., n, k, k)`` beneath one another, ``(..., n·k, k)``."""
+    *batch, num_effectors, size, _ = inverse.shape
+    return inverse.reshape(*batch, num_effectors * size, size)
 
 
 def _virtual_masses(masses: Any, grips: FloatArray) -> FloatArray:
@@ -144,8 +150,8 @@ def _virtual_masses(masses: Any, grips: FloatArray) -> FloatArray:
             f"virtual_masses must be {num_effectors} positive numbers, so that m_o* = Σ m_i* "
             f"(eq. 31) is positive, got {mass}; give one per grip [kg]"
         )
-    offset = np.abs((mass[:, None] * grips).sum(axis=-2)).max()
-    if offset > 1e-9 * (mass[:, None] * np.abs(grips)).sum(axis=-2).max():
+    offset = np.abs((mass[:, None] * grips).sum(axis=-2)).max(initial=0.0)
+    if offset > 1e-9 * (mass[:, None] * np.abs(grips)).sum(axis=-2).max(initial=0.0):
         raise InvalidInput(
             f"virtual_masses must have their centre at the object's, Σ m_i* r_i = 0 (eq. 33), got "
             f"{mass} at grips {np.array2string(grips, threshold=8)}; choose masses that balance "
