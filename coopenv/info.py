@@ -17,8 +17,9 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     """Infos of all worlds after a step.
 
     Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]; shares ``(world, agent)`` are
-    NaN where undefined; the levels F_I [N] and T_I [N·m], γ, the wasted cost [N], ``success`` and
-    ``contact_impulse`` [N·s] are ``(world,)``; ``reward_terms`` maps each name to
+    NaN where undefined; the levels F_I [N] and T_I [N·m], γ, the wasted cost [N], ``success``,
+    ``contact_impulse`` [N·s] and ``contact_shift`` [m] are ``(world,)``, the last two as
+    `coopenv.physics.motion.collect` has them; ``reward_terms`` maps each name to
     ``(world, agent)``. Where body and team are drawn anew in every episode, ``body`` holds
     the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
@@ -38,6 +39,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         "reward_terms": parts,
         "success": transition.success,
         "contact_impulse": transition.contact_impulse,
+        "contact_shift": transition.contact_shift,
         **drawn,
     }
 

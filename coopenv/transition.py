@@ -38,6 +38,7 @@ class Transition:
     previous_action: FloatArray  # as action; zero at the first step of an episode
     applied: FloatArray  # (world, agent, 3) [N, N·m]
     contact_impulse: FloatArray  # (world,) [N·s] from walls and obstacles
+    contact_shift: FloatArray  # (world,) [m] that parting of overlaps moved the body
     success: BoolArray  # (world,)
     terminated: BoolArray  # (world,)
     truncated: BoolArray  # (world,)
@@ -64,6 +65,7 @@ class Transition:
             previous_action=action,
             applied=np.zeros((count, num_agents, 3)),
             contact_impulse=np.zeros(count),
+            contact_shift=np.zeros(count),
             success=no,
             terminated=no,
             truncated=no,

@@ -257,6 +257,7 @@ class Transport:
             previous_action=before.action,
             applied=applied,
             contact_impulse=self.world.contact_impulse,
+            contact_shift=self.world.contact_shift,
             success=success,
             terminated=success,
             truncated=truncated,

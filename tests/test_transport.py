@@ -85,6 +85,7 @@ def test_shapes_are_world_agent_feature():
         "internal_torque_level": (5,),
         "success": (5,),
         "contact_impulse": (5,),
+        "contact_shift": (5,),
     }
     assert all(term.shape == (5, 3) for term in info["reward_terms"].values())
 

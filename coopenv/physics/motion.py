@@ -201,7 +201,7 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
     command
         ``(row, 6)`` written: velocity, angular velocity, force, torque.
     expected
-        ``(world, 3)`` written: the twist at the end if nothing is touched.
+        ``(world, 6)`` written: twist and pose at the end if nothing is touched.
     """
     for k in range(len(rows)):
         motion = Motion(
@@ -218,16 +218,22 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
         command[at, 4] = table[k, MASS] * (vy - mean_y) / step
         command[at, 5] = table[k, INERTIA] * (spin - mean_spin) / step
         expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
+        expected[k, 3], expected[k, 4] = pose[k, 0] + dx, pose[k, 1] + dy
+        expected[k, 5] = pose[k, 2] + turn
 
 
 @compiled
-def collect(rows, table, rooms, report, expected, pose, twist, impulse):
+def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
     """Read pymunk's buffer back and add up what contacts did to each body.
 
     The impulse of a substep is the least total of contact impulses that explains the change of
     momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
     A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x.
-    (pymunk may still shift it sideways by as much as it had sunk into what it touches.)
+
+    pymunk parts what overlaps by moving the body apart from its velocity, in the substep after it
+    found the overlap: no momentum, so no impulse. The shift of a substep is how far that moved the
+    farthest of the body's points, at most: ‖Δ position‖ + reach · |Δ angle| against the free path
+    [m]. Wheels may be shifted sideways.
 
     Parameters
     ----------
@@ -238,8 +244,8 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
         and y a body may be.
     report
         ``(row, 6)``: position, angle, velocity, angular velocity.
-    pose, twist, impulse
-        ``(world, 3)`` twice and ``(world,)``, written; the impulse is added.
+    pose, twist, impulse, shift
+        ``(world, 3)`` twice and ``(world,)`` twice, written; impulse and shift are added.
 
     Returns
     -------
@@ -250,6 +256,7 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
         at = report[rows[k]]
         origin_x, origin_y, farthest_x, farthest_y = rooms[k]
         pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin_x, at[1] - origin_y, at[2]
+        shift[k] += _shifted(table, k, at, expected, pose)
         dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
         speed = np.sqrt(dx * dx + dy * dy)
         rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
@@ -269,19 +276,36 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse):
             impulse[k] += push
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
-        if abs(pose[k, 0]) > farthest_x or abs(pose[k, 1]) > farthest_y:
+        if not (abs(pose[k, 0]) <= farthest_x and abs(pose[k, 1]) <= farthest_y):  # or NaN
             lost = k
     return lost
+
+
+@inlined
+def _shifted(table, k, at, expected, pose):
+    """How far the body was moved off its free path [m], 0 where rounding explains it."""
+    dx, dy, turn = (
+        pose[k, 0] - expected[k, 3],
+        pose[k, 1] - expected[k, 4],
+        pose[k, 2] - expected[k, 5],
+    )
+    rounding = 1e-13 * (1 + abs(at[0]) + abs(at[1]) + abs(at[2]))
+    moved = 0.0
+    if abs(dx) > rounding or abs(dy) > rounding:
+        moved += np.sqrt(dx * dx + dy * dy)
+    if abs(turn) > rounding:
+        moved += table[k, REACH] * abs(turn)
+    return moved
 
 
 @compiled
 def collect_and_drive(rows, table, rooms, buffers, expected, reached, wrench, step):
     """`collect` one substep and `drive` the next, in one call from Python.
 
-    ``buffers`` are report and command, ``reached`` pose, twist and impulse; the rest as there.
+    ``buffers`` are report and command, ``reached`` what `collect` writes; the rest as there.
     """
     report, command = buffers
-    pose, twist, impulse = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse)
+    pose, twist, impulse, shift = reached
+    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift)
     drive(rows, table, pose, twist, wrench, step, command, expected)
     return lost

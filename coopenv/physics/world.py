@@ -57,6 +57,9 @@ class World:
     contact_impulse
         ``(world,)`` [N·s] what walls and obstacles gave the body during the last `step`; see
         `coopenv.physics.motion.collect`.
+    contact_shift
+        ``(world,)`` [m] how far the parting of overlaps moved the body during the last `step`, its
+        farthest point at most; no impulse tells of that. See the same.
     """
 
     def __init__(
@@ -74,6 +77,7 @@ class World:
         self.pose = np.zeros((self.num_worlds, 3))
         self.twist = np.zeros((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
+        self.contact_shift = np.zeros(self.num_worlds)
         reach = max(body.reach for body in self.bodies) if reach is None else reach
         self._shards = [
             _Shard(
@@ -113,7 +117,9 @@ class World:
         """Put the bodies of ``worlds`` at ``pose`` ``(len(worlds), 3)``, at rest and untouched."""
         self.pose, self.twist = self.pose.copy(), self.twist.copy()
         self.contact_impulse = self.contact_impulse.copy()
-        self.pose[worlds], self.twist[worlds], self.contact_impulse[worlds] = pose, 0, 0
+        self.contact_shift = self.contact_shift.copy()
+        self.pose[worlds], self.twist[worlds] = pose, 0
+        self.contact_impulse[worlds] = self.contact_shift[worlds] = 0
         for number, shard in enumerate(self._shards):
             inside = worlds // SHARD_SIZE == number
             if inside.any():
@@ -122,7 +128,8 @@ class World:
     def step(self, wrench: FloatArray) -> None:
         """Advance one control step under ``wrench`` ``(world, 3)`` [N, N·m], held in object frame.
 
-        `pose`, `twist` and `contact_impulse` become fresh arrays; the old ones stay as they were.
+        `pose`, `twist`, `contact_impulse` and `contact_shift` become fresh arrays; the old ones
+        stay as they were.
 
         Raises
         ------
@@ -132,7 +139,8 @@ class World:
         before = self.pose, self.twist, wrench
         self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
-        reached = self.pose, self.twist, self.contact_impulse
+        self.contact_shift = np.zeros(self.num_worlds)
+        reached = self.pose, self.twist, self.contact_impulse, self.contact_shift
         if len(self._shards) == 1:  # as below, without slicing, which one world would feel
             self._shards[0].step(before, reached, self.substeps)
             return
@@ -169,7 +177,7 @@ class _Shard:
         ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
-        self._expected = np.zeros((len(bodies), 3))
+        self._expected = np.zeros((len(bodies), 6))
         self._command, self._commands = _buffer(len(bodies))
         self._report, self._reports = _buffer(len(bodies))
         self._names = batch.Buffer()
@@ -204,7 +212,7 @@ class _Shard:
         reached: tuple[FloatArray, ...],
         substeps: int,
     ) -> None:
-        """Go on from pose and twist under a wrench; writes pose, twist and impulse."""
+        """Go on from pose and twist under a wrench; writes pose, twist, impulse and shift."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
         pose, wrench, buffers = reached[0], before[2], (self._report, self._command)
         motion.drive(rows, table, *before, substep, self._command, expected)

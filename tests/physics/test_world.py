@@ -327,3 +327,43 @@ def test_a_body_that_gets_through_a_wall_is_reported():
 
     with pytest.raises(BodyLost, match="must stay in its room"):
         push()
+
+
+def test_parting_an_overlap_gives_no_impulse_and_is_reported_as_a_shift():
+    one = World([Body()], [Scene()], dt=0.05, substeps=2)
+    start = 2.05  # [m]: the beam's end is 5 cm in the wall
+    one.place(np.arange(1), np.array([[start, 0.0, 0.0]]))
+    assert one.contact_shift.tolist() == [0.0]
+    shifts = []
+    for _ in range(40):
+        before = one.pose[0].copy()
+        one.step(np.zeros((1, 3)))
+        moved = np.hypot(*(one.pose[0] - before)[:2])
+        shifts.append(one.contact_shift[0])
+        assert one.contact_impulse[0] == 0.0
+        assert shifts[-1] >= moved - 1e-12  # it rests: all of its way is parting
+    assert shifts[0] > 4e-3
+    assert sum(shifts) > start - one.pose[0, 0] > 0.045
+    assert shifts[-1] < 1e-4 < shifts[1]
+
+
+def test_a_body_that_is_pressed_against_a_wall_is_shifted_as_far_as_it_sinks_in():
+    one = World([Body()], [Scene()], dt=0.05, substeps=2)
+    one.place(np.arange(1), np.array([[1.99, 0.0, 0.0]]))
+    for _ in range(400):
+        one.step(np.array([[20.0, 0.0, 0.0]]))
+    rest = one.pose[0].copy()
+    one.step(np.array([[20.0, 0.0, 0.0]]))
+    assert one.contact_impulse[0] == pytest.approx(20.0 * 0.05, rel=0.02)  # what it is pressed with
+    assert np.abs(one.pose[0] - rest).max() < 1e-5
+    assert 0 < one.contact_shift[0] < 4e-3  # sinks in and is moved out, substep by substep
+
+
+@pytest.mark.parametrize("body", [Body(), Body.walker()])
+def test_nothing_is_shifted_where_nothing_is_touched(body):
+    many = World([body] * 300, [Scene(size=(60.0, 60.0))] * 300, dt=0.05, substeps=3)
+    many.place(np.arange(300), np.random.default_rng(0).normal(size=(300, 3)))
+    for step in range(40):
+        many.step(np.random.default_rng(step).normal(scale=10.0, size=(300, 3)))
+        assert not many.contact_shift.any()
+        assert not many.contact_impulse.any()
