@@ -31,9 +31,12 @@ def test_a_bound_on_one_side_is_said():
 def test_what_the_blocks_of_the_page_show_is_finite_and_bounded(tmp_path):
     shown = chains(observations.PAGE)
     assert len(shown) == 4
+    cores = []
     for chain in shown:
         with running(chain, tmp_path) as names:
-            core = names["core"]
+            cores.append(names["core"])
+    for core in cores:
         obs, _ = core.reset(seed=0)
         assert np.isfinite(obs).all()
+    core = cores[-1]
     assert (core.observation.low[core.observation.blocks["speed"]] == 0).all()
