@@ -52,7 +52,8 @@ def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
     if not _is_trusted(module, trust):
         raise InvalidInput(
             f"{part} must be of coopenv unless you trust the text, got {name!r}, which loading "
-            f"would import and run; if you know where the text is from, pass trust=({module!r},)"
+            "would import and run; if you know where the text is from, pass "
+            f"trust=({module!r},) to TransportConfig.from_json"
         )
     path = _source(module)
     if path is None:

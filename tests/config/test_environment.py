@@ -268,7 +268,7 @@ def by_the_wall(transition):
 @pytest.mark.parametrize(
     "keywords",
     [
-        {"reward": rewards.RewardSum({"time": lambda transition: transition.per_agent(0, 1)})},
+        {"reward": rewards.RewardSum({"time": lambda transition: by_the_wall(transition)[..., 0]})},
         {"reward": {"progress": rewards.Progress(potential=lambda state: -state.distance)}},
         {"observe": ("goal", Block(name="wall", size=1, describe="", read=by_the_wall))},
         {
