@@ -18,7 +18,7 @@ from coopenv.files import written
 from coopenv.transport import Transport
 
 from .episodes import Episodes, EpisodeSums
-from .policy import Policy, Samplable, forget
+from .policy import Policy, Samplable, check_environment, forget
 from .seeds import evaluation_seeds
 
 if TYPE_CHECKING:
@@ -179,6 +179,7 @@ def run_episodes(
     episodes = whole(episodes, "episodes", at_least=1)
     seeds = evaluation_seeds(seed, episodes)
     core = Transport(num_worlds=min(num_worlds, episodes), config=config)
+    check_environment(policy, core)
     batches = [
         _run_batch(policy, core, [*seeds[first : first + core.num_worlds]])
         for first in range(0, episodes, core.num_worlds)

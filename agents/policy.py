@@ -9,6 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.transition import Transition
+from coopenv.transport import Transport
 
 from .noise import EpisodeKeys, uniforms
 
@@ -51,12 +52,27 @@ class Seedable(Protocol):
 
 
 @runtime_checkable
+class Choosy(Protocol):
+    """A policy that can act in some environments only has this."""
+
+    def check_environment(self, core: Transport) -> None:
+        """Raise `coopenv.errors.InvalidInput` unless it can act in ``core``."""
+        ...
+
+
+@runtime_checkable
 class Samplable(Protocol):
     """A policy that can act by its mean or by a sample has this."""
 
     def sampled(self) -> "Policy | None":
         """The same policy with sampled actions; ``None`` if it has one way of acting after all."""
         ...
+
+
+def check_environment(policy: Policy, core: Transport) -> None:
+    """Raise `coopenv.errors.InvalidInput` if a policy says that it cannot act in ``core``."""
+    if isinstance(policy, Choosy):
+        policy.check_environment(core)
 
 
 def forget(policy: Policy, mask: BoolArray, seeds: Sequence[int] | None = None) -> None:

@@ -9,7 +9,7 @@ from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
 from coopenv.transport import Transport
 
-from .policy import Policy, forget
+from .policy import Policy, check_environment, forget
 from .seeds import evaluation_seeds
 
 PAUSE = 0.8  # [s] for which the last picture stays
@@ -41,6 +41,7 @@ def episode_pictures(
     from coopenv.render import Renderer
 
     core = Transport(num_worlds=1, config=config)
+    check_environment(policy, core)
     seeds = [*evaluation_seeds(seed, 1)]
     obs, _ = core.reset(seed=seeds)
     forget(policy, np.ones(1, dtype=np.bool_), seeds)

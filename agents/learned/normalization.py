@@ -119,7 +119,8 @@ def trained_normalized(model: BaseAlgorithm) -> bool | None:
 
     SB3 keeps no statistics, but the last observation from before normalisation: on-policy
     algorithms only if there was a normalisation. Off-policy ones keep one in any case; what they
-    saw last may be outside the observation space, as only normalised numbers can be.
+    saw last may be outside the observation space (load shares and ranges are bounded), as only
+    normalised numbers can be.
     """
     if getattr(model, "_last_original_obs", None) is None:
         return False

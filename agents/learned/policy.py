@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -14,11 +13,13 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
+from coopenv.transport import Transport
 
 from ..noise import EpisodeKeys
 from .files import Saved, load_model, save_model
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
 from .sampling import can_be_sampled, sampled
+from .spaces import spaces_of
 
 
 class SB3Policy:
@@ -62,7 +63,8 @@ class SB3Policy:
     ):
         self.model, self.deterministic = model, deterministic
         self.notes = dict(notes or {})
-        self._features, self._actions = _sizes(model)
+        self._spaces = spaces_of(model)
+        self._features = self._spaces.features
         self._is_given = normalize is not None
         self._given = find_normalization(normalize, self._features) if self._is_given else None
         self._seed, self._keys = seed, EpisodeKeys(seed)
@@ -155,6 +157,10 @@ class SB3Policy:
             notes=self.notes,
         )
 
+    def check_environment(self, core: Transport) -> None:
+        """Raise `InvalidInput` if ``core`` is not what it was trained on, as far as that shows."""
+        self._spaces.check_environment(core)
+
     def reset(self, mask: BoolArray) -> None:
         """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""
         known = len(self._fresh) == len(mask)
@@ -174,7 +180,7 @@ class SB3Policy:
         """
         num_worlds, num_agents, size = obs.shape
         width = transition.action.shape[-1]
-        self._check_spaces(num_agents, size, width)
+        self._spaces.check_sizes(num_agents, size, width)
         rows = obs.reshape(-1, self._features)
         normalization = self.normalization
         if normalization is not None:
@@ -193,42 +199,6 @@ class SB3Policy:
             action, self._memory = sampled(self.model, predict, self._keys, transition, len(rows))
         self._fresh = np.zeros(num_worlds, dtype=np.bool_)
         return action.reshape(num_worlds, num_agents, width).astype(np.float64)
-
-    def _check_spaces(self, num_agents: int, size: int, width: int) -> None:
-        """Raise `InvalidInput` unless what agents see and do is what it was trained on, by size."""
-        box: Any = self.model.action_space
-        if (box.low != -1).any() or (box.high != 1).any():
-            raise InvalidInput(
-                f"actions of a policy must be in [-1, 1], got {box}; it was trained in another "
-                "kind of environment"
-            )
-        for agents in (num_agents, 1):  # one row for the team, or one for each agent
-            if (self._features, self._actions) == (agents * size, agents * width):
-                return
-        raise InvalidInput(
-            f"obs and action must have the sizes the policy was trained on, {self._features} "
-            f"features in and {self._actions} numbers out, for the team or each agent, got "
-            f"{num_agents} agents with {size} and {width} each; evaluate it with the observe=, "
-            "action= and number of agents of its training"
-        )
-
-
-def _sizes(model: BaseAlgorithm) -> tuple[int, int]:
-    """Features and actions of a row."""
-    seen, done = model.observation_space, model.action_space
-    box = gymnasium.spaces.Box
-    if not isinstance(seen, box) or len(seen.shape) != 1:
-        raise InvalidInput(
-            f"observation space of a policy must be a Box of one row, got {seen}; it was trained "
-            "in another kind of environment"
-        )
-    if not isinstance(done, box) or len(done.shape) != 1:
-        raise InvalidInput(
-            f"action space of a policy must be a Box of one row, got {done} of "
-            f"{type(model).__name__}; choose an algorithm with continuous actions, PPO or SAC "
-            "for example"
-        )
-    return seen.shape[0], done.shape[0]
 
 
 def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | bool:

@@ -3,6 +3,7 @@
 import json
 import sys
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,10 +17,19 @@ from stable_baselines3 import DQN, PPO, SAC
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from coopenv import Body, TransportConfig
+from coopenv.agents.evaluate import evaluate
 from coopenv.agents.learned import read_notes
-from coopenv.agents.sb3 import SB3Policy
+from coopenv.agents.sb3 import SB3Policy, make_vec_env
 from coopenv.errors import InvalidInput, MissingExtra
-from tests.agents.learned.cases import ALGORITHMS, small, start, trained, untrained, write_member
+from tests.agents.learned.cases import (
+    ALGORITHMS,
+    CONFIG,
+    small,
+    start,
+    trained,
+    untrained,
+    write_member,
+)
 
 
 @pytest.fixture
@@ -259,3 +269,16 @@ def test_a_team_whose_observations_happen_to_be_as_many_is_refused():
         InvalidInput, match=r"40 features in and 6 numbers out.*got 4 agents with 10"
     ):
         policy(obs, transition)
+
+
+def test_other_blocks_of_the_same_size_are_refused_before_the_first_step():
+    ranged = replace(CONFIG, observe=("goal", "twist", "load_share"))
+    turned = replace(CONFIG, observe=("load_share", "goal", "twist"))
+    for control in ("joint", "shared"):
+        venv = make_vec_env(ranged, 2, control=control)
+        policy = SB3Policy(untrained(PPO, venv))
+        evaluate(policy, ranged, episodes=2)
+        with pytest.raises(InvalidInput, match=r"blocks that the policy.*got 'load_share' where"):
+            evaluate(policy, turned, episodes=2)
+        venv.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, venv.observation_space.shape)
+        evaluate(SB3Policy(untrained(PPO, venv)), turned, episodes=2)  # it cannot be told
