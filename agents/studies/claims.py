@@ -6,6 +6,7 @@ import operator
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import fill
 from typing import TYPE_CHECKING, Self
 
 from coopenv.errors import InvalidInput, MissingExtra
@@ -104,22 +105,29 @@ def number(value: float) -> str:
 
 
 def claim_table(claims: Sequence[Claim], title: str | None = None) -> "Table":
-    """The claims as a rich table."""
+    """The claims as a rich table, in which source and reason stand with the claim."""
     made = _empty_table(title)
     rows = [claim.row() for claim in claims]
-    for name in _shown(rows):
-        made.add_column(name, ratio=3 if name in ("claim", "why") else None)
+    made.add_column("claim", ratio=1)
+    for name in ("measured", "rule"):
+        made.add_column(name, no_wrap=True)
+    made.add_column("verdict", min_width=len("does not"))
     for claim, row in zip(claims, rows, strict=True):
-        cells = [row[name] for name in _shown(rows)]
+        text = f"{claim.text} ({claim.source})" + (f"; {claim.why}" if claim.why else "")
+        cells = (text, row["measured"], row["rule"], claim.verdict)
         made.add_row(*cells, style=None if claim.holds else "bold red")
     return made
 
 
 def plain_table(rows: Sequence[dict[str, str]], title: str | None = None) -> "Table":
-    """Rows with the same columns as a rich table."""
+    """Rows with the same columns as a rich table; where it is narrow no number is parted."""
     made = _empty_table(title)
     for name in _shown(rows):
-        made.add_column(name)
+        header = name.partition(" (")[0]  # what is in brackets stands in the files
+        numbers = [cell for row in rows for cell in row[name].split(" (") if _is_number(cell)]
+        least = max(len(each) for each in (*header.split(), *numbers))
+        widest = max(least, *(len(row[name]) for row in rows))
+        made.add_column(fill(header, widest), min_width=least)
     for row in rows:
         made.add_row(*(row[name] for name in _shown(rows)))
     return made
@@ -154,10 +162,22 @@ def _shown(rows: Sequence[dict[str, str]]) -> list[str]:
     return [name for name in rows[0] if any(row[name] for row in rows)]
 
 
+def _is_number(cell: str) -> bool:
+    """Whether a part of a cell is a number, or a test with its degrees of freedom."""
+    return cell[:1].isdigit() or cell[:1] in "-<" or cell[:2] == "F("
+
+
 def _empty_table(title: str | None) -> "Table":
     try:
         from rich.box import SIMPLE_HEAD
         from rich.table import Table
     except ImportError as error:
         raise MissingExtra("the table of claims", "analysis") from error
-    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    return Table(
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        show_edge=False,
+        collapse_padding=True,
+        pad_edge=False,
+    )

@@ -168,6 +168,7 @@ def _console() -> "Console":
 
 
 def _print_claims(console: "Console", found: Sequence[Claim], title: str) -> None:
+    console.print()
     console.print(claim_table(found, title))
     failed = sum(not claim.holds for claim in found)
     console.print(f"{len(found) - failed} of {len(found)} hold")
@@ -175,6 +176,7 @@ def _print_claims(console: "Console", found: Sequence[Claim], title: str) -> Non
 
 def _print_rows(console: "Console", rows: Sequence[dict[str, str]], title: str) -> None:
     if rows:
+        console.print()
         console.print(plain_table(rows, title))
 
 

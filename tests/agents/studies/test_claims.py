@@ -1,11 +1,12 @@
 """A claim's verdict follows from its number."""
 
 import csv
+import io
 from math import nan
 
 import pytest
 
-from coopenv.agents.studies.claims import Claim, claim_table, markdown, save_claims
+from coopenv.agents.studies.claims import Claim, claim_table, markdown, plain_table, save_claims
 from coopenv.errors import InvalidInput
 
 HOLDS = Claim.zero("ours is zero", "Fig. 13", 3e-13, within=1e-9, unit="N")
@@ -56,3 +57,38 @@ def test_tables_show_number_rule_and_verdict(tmp_path):
 
 def test_a_column_without_content_is_left_out():
     assert "why" not in markdown([HOLDS.row()])
+
+
+def printed(table, width: int = 80) -> str:
+    rich = pytest.importorskip("rich.console")
+    console = rich.Console(width=width, file=io.StringIO())
+    console.print(table)
+    return console.file.getvalue()
+
+
+def test_a_claim_is_read_at_80_columns_without_a_parted_number():
+    claims = [
+        Claim(text=17 * "a long claim ", source="beyond the paper", measured=5.551e-17,
+              relation="≤", bound=1e-9, unit="N, N·m", why=12 * "because it is so "),
+        Claim(text="short", source="Figs. 12-13", measured=-0.5912, relation=">", bound=0.0,
+              unit="% of time"),
+    ]  # fmt: skip
+    seen = printed(claim_table(claims, "claims"))
+    assert all(len(line) <= 80 for line in seen.splitlines())
+    for whole in ("5.551e-17 N, N·m", "≤ 1e-09 N, N·m", "-0.5912 % of time", "> 0 % of time"):
+        assert whole in seen
+    assert "…" not in seen
+    assert len(seen.splitlines()) < 25
+
+
+def test_other_rows_are_read_at_80_columns_without_a_parted_number():
+    rows = [
+        {"on": "dominance", "effect": "method × guide", "F": "F(4, 44) = 128.39",
+         "p": "1.07e-19", "ε (Greenhouse-Geisser)": "0.488", "p corrected": "1.19e-10",
+         "partial η²": "0.880"}
+    ]  # fmt: skip
+    seen = printed(plain_table(rows, "effects"))
+    for whole in ("F(4, 44) = 128.39", "1.07e-19", "0.488", "1.19e-10", "0.880", "dominance", "η²"):
+        assert whole in seen
+    assert all(len(line) <= 80 for line in seen.splitlines())
+    assert "…" not in seen
