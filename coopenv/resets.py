@@ -85,7 +85,7 @@ def all_or_nothing(generators: list[np.random.Generator | None], may_fail: bool)
         generators[:] = kept
         for each, state in zip(kept, states, strict=True):
             if each is not None:
-                each.bit_generator.state = state
+                each.bit_generator.state = state  # pyright: ignore[reportAttributeAccessIssue]
         raise
 
 

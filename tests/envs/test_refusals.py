@@ -120,7 +120,12 @@ def test_no_view_takes_actions_that_are_no_finite_real_numbers(make):
 BAD_SEEDS = [-1, 0.5, "1", "12", ["1", "2"], b"1", b"12", 1j, np.nan, np.inf, True, {}, object()]
 BAD_SEEDS += [np.datetime64(1, "s"), np.timedelta64(1, "s"), np.zeros((2, 2)), np.array(["1", "2"])]
 BAD_POSES = ["abc", (1j, 0, 0), (1, 2), (np.nan, 0, 0), (1e300, 0, 0), (0, 0, 1e300), (None, 0, 0)]
-BAD_POSES += [np.zeros(3, "M8[s]"), {}, (100, 0, 0), np.ma.masked_array(ZERO, mask=[1, 0, 0])]
+BAD_POSES += [
+    np.zeros(3, "M8[s]"),
+    {},
+    (100, 0, 0),
+    np.ma.masked_array(ZERO, mask=[True, False, False]),
+]
 
 
 @pytest.mark.parametrize("make", VIEWS, ids=lambda make: make.__name__)
