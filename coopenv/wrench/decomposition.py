@@ -210,7 +210,8 @@ class Decomposition:
 
         No optimum is below 0, so the bound is at most the cost. It holds for the grips as they
         count: on a line through the centre of mass within 1e-12 of the longest lever, and at one
-        place within 1e-15 of it.
+        place within 1e-15 of it. To ``"structured"`` and ``"conic"``, two planar grips closer than
+        1e-9 m may be one place as well, where the cost is lower than beside each other.
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """
