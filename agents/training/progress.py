@@ -48,7 +48,8 @@ class Watch(BaseCallback):
 
     Lately: in as many rollouts as an episode may last. In a shorter while those that end are
     mostly the short ones, that is, the successful. For the same reason a run that goes on shows the
-    episodes of before until the new ones have had that long.
+    episodes of before until the new ones have had that long, then the first of each world, and from
+    there on all.
 
     Parameters
     ----------
@@ -78,21 +79,27 @@ class Watch(BaseCallback):
         self._progress, self._per_step = progress, per_step
         self._begin, self._report = begin, report
         self._rollouts = ceil(horizon / rollout)  # of the window
-        self._early = self._rollouts if any(progress.window) else 0  # rollouts left out of it
-        self._ended: list[Episode] = []
+        self._early = self._rollouts if any(progress.window) else 0  # rollouts until they may tell
+        self._ended: list[Episode] = []  # in this rollout
+        self._first: dict[int, Episode] = {}  # by row of the VecEnv, while it is early
 
     def _on_rollout_start(self) -> None:
         self._begin(self.model)
         self._ended = []
 
     def _on_step(self) -> bool:
-        self._ended += [episode_of(info) for info in self.locals["infos"] if info]
+        ended = {k: episode_of(info) for k, info in enumerate(self.locals["infos"]) if info}
+        self._ended += ended.values()
+        if self._early:
+            self._first = {**ended, **self._first}
         return True
 
     def _on_rollout_end(self) -> None:
         progress = self._progress
         if self._early:
             self._early -= 1
+            if not self._early:
+                progress.window = [[*self._first.values()]]
         else:
             progress.add(self._ended, rollouts=self._rollouts)
         progress.steps = self.num_timesteps // self._per_step

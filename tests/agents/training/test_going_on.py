@@ -145,9 +145,10 @@ def test_the_window_of_ended_episodes_belongs_to_the_checkpoint(tmp_path):
     assert sum(len(ended) for ended in before.window) > 0
     later = []
     train(config, environment=long, report=later.append)
-    for row in later[:2]:  # nothing but short episodes can have ended
-        assert {**row, "steps": 0} == {**before.rows[-1], "steps": 0}
-    assert later[3] != {**before.rows[-1], "steps": later[3]["steps"]}
+    shown = [{**row, "steps": 0} for row in (before.rows[-1], *later)]
+    assert shown[1] == shown[0]  # none but short episodes can have ended
+    assert shown[2] != shown[0]
+    assert shown[2]["episodes"] == config.num_worlds
 
 
 def test_success_does_not_jump_where_a_run_goes_on(tmp_path):
@@ -172,7 +173,8 @@ def test_success_does_not_jump_where_a_run_goes_on(tmp_path):
             for _ in range(rollout):
                 left -= 1
                 ended = np.flatnonzero(left == 0)
-                watch.locals = {"infos": [_info(bool(succeeds[world])) for world in ended]}
+                infos = [_info(bool(succeeds[k])) if k in ended else {} for k in range(worlds)]
+                watch.locals = {"infos": infos}
                 watch.num_timesteps += worlds
                 watch._on_step()
                 succeeds[ended] = generator.random(len(ended)) < 0.9
@@ -184,7 +186,7 @@ def test_success_does_not_jump_where_a_run_goes_on(tmp_path):
     assert np.mean(run(progress, 8)[2:]) == pytest.approx(0.9, abs=0.02)
     for _ in range(3):
         for success in run(progress, 6):
-            assert success == pytest.approx(0.9, abs=0.03)
+            assert success == pytest.approx(0.9, abs=0.04)
 
 
 class _Logger:
