@@ -123,7 +123,7 @@ class Provenance:
 
     def differences(self, other: Self) -> list[str]:
         """Dotted names of what keeps one run from going on from the other's checkpoint."""
-        return differences(self._identity(), other._identity())
+        return differences(self.identity(), other.identity())
 
     def other_versions(self) -> list[str]:
         """What has another version now, in words."""
@@ -134,7 +134,8 @@ class Provenance:
             if now.get(name) != then
         ]
 
-    def _identity(self) -> dict[str, Any]:
+    def identity(self) -> dict[str, Any]:
+        """What two runs must have in common for one to go on from the other's checkpoint."""
         settings = TrainConfig.from_dict(self.training).identity()
         return {**settings, "environment": self.environment}
 
