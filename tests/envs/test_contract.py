@@ -454,7 +454,7 @@ def test_wrong_actions_of_agents_are_refused_and_move_nothing(module):
         ({agent: row for agent, row in good.items() if agent != last}, entries),
         ({**good, f"agent_{len(good)}": np.zeros(size)}, entries),
         ({**good, last: np.zeros(size - 1)}, rf"actions\['{last}'{shape}"),
-        ({**good, last: None}, rf"actions\['{last}'{shape}"),
+        ({**good, last: None}, rf"actions\['{last}'\] must be an array of numbers"),
         ({**good, "agent_0": np.full(size, np.nan)}, r"action must be finite"),
     ):
         with pytest.raises(InvalidInput, match=said):
