@@ -8,7 +8,6 @@ import json
 import os
 import platform
 import sys
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import PackageNotFoundError, version
@@ -21,7 +20,6 @@ from coopenv.errors import CoopenvError, InvalidInput
 from .differences import differences
 from .settings import TrainConfig
 
-NOTES = "coopenv.json"  # in the file, beside the entries of Stable-Baselines3
 KEY, FORMAT = "provenance", 1  # in the notes; raised when one of before would mean something else
 PACKAGES = ("coopenv", "numpy", "torch", "stable-baselines3", "pymunk")
 
@@ -76,7 +74,7 @@ class Provenance:
         names = {"format", *(entry.name for entry in fields(cls))}
         if not isinstance(given, Mapping) or given.get("format") != FORMAT or set(given) != names:
             raise InvalidInput(
-                f"{KEY} in {NOTES} must be of format {FORMAT}, got {given!r:.80}; read it with the "
+                f"{KEY} must be of format {FORMAT}, got {given!r:.80}; read it with the "
                 "coopenv that wrote it, or a newer one"
             )
         return cls(**{name: value for name, value in given.items() if name != "format"})
@@ -90,20 +88,12 @@ class Provenance:
         InvalidInput
             If the file cannot be read, or is of another format.
         """
-        try:
-            with zipfile.ZipFile(Path(path)) as archive:
-                if NOTES not in archive.namelist():
-                    return None
-                notes = json.loads(archive.read(NOTES))
-        except (zipfile.BadZipFile, OSError, ValueError) as error:
-            raise InvalidInput(
-                f"policy must be a file that can be read, got {os.fspath(path)!r} ({error}); copy "
-                "it again or give another"
-            ) from error
-        return cls.from_notes(notes) if isinstance(notes, dict) else None
+        from .learned import read_notes
+
+        return cls.from_notes(read_notes(path))
 
     def to_notes(self) -> dict[str, Any]:
-        """An entry for `NOTES`."""
+        """An entry for `coopenv.agents.learned.NOTES`."""
         return {KEY: {"format": FORMAT, **asdict(self)}}
 
     def config(self, *, trust: bool | tuple[str, ...] = False) -> TransportConfig:

@@ -168,12 +168,7 @@ class TrainConfig:
             whole(getattr(self, name), name, at_least=1)
         whole(self.batch_size, "batch_size", at_least=2)  # advantages are normalised in it
         whole(self.seed, "seed", at_least=0)
-        if self.steps <= self.num_worlds * self.rollout:  # the last update's rate is zero
-            raise InvalidInput(
-                f"steps must be more than the {self.num_worlds * self.rollout:,} of one rollout "
-                f"(num_worlds × rollout), got {self.steps:,}, which learns nothing; give more, or "
-                "fewer worlds"
-            )
+        _check_numbers(self)
         for name in ("learning_rate", "discount", "gae_lambda", "clip_range", "initial_std"):
             positive(getattr(self, name), name)
         if max(self.discount, self.gae_lambda) > 1:
@@ -181,7 +176,6 @@ class TrainConfig:
                 f"discount and gae_lambda must be at most 1, got {self.discount} and "
                 f"{self.gae_lambda}; lower them"
             )
-        _check_numbers(self)
         if isinstance(self.environment, dict):  # as JSON brings it back
             _set = object.__setattr__
             _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))
@@ -251,6 +245,12 @@ def _check_numbers(config: "TrainConfig") -> None:
                 f"{name} must be at most {most:,}, got {getattr(config, name):,}; lower it"
             )
     training_seeds(config.seed, config.num_worlds)
+    if config.steps <= config.num_worlds * config.rollout:  # the last update's rate is zero
+        raise InvalidInput(
+            f"steps must be more than the {config.num_worlds * config.rollout:,} of one rollout "
+            f"(num_worlds × rollout), got {config.steps:,}, which learns nothing; give more, or "
+            "fewer worlds"
+        )
     if config.rollout * config.num_worlds < 2:
         raise InvalidInput("rollout must be at least 2 with one world, got 1; raise it")
     if not isinstance(config.hidden, Sequence) or isinstance(config.hidden, str):

@@ -11,7 +11,8 @@ from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import written
 
 from ..curves import save_rows
-from ..provenance import NOTES, Provenance
+from ..learned import NOTES
+from ..provenance import Provenance
 from .progress import Progress
 
 try:

@@ -72,7 +72,7 @@ class Evaluate:
         places, notes = environments_of(named, self.environment, self.trust)
         title = self._title(places)
         for note in notes:
-            errors.print(note, markup=False)
+            errors.print(note, markup=False, soft_wrap=True)
         seen = self._seen(named, places, console)
         console.print(table(seen, title))
         if self.out is not None:

@@ -172,6 +172,8 @@ def test_a_file_without_it_says_so_and_one_of_another_format_is_refused(tmp_path
     assert SB3Policy.load(tmp_path / "plain.zip").notes == {}
     with zipfile.ZipFile(tmp_path / "later.zip", "w") as archive:
         archive.writestr("coopenv.json", json.dumps({"provenance": {"format": 99}}))
+        for member in ("data", "policy.pth"):
+            archive.writestr(member, "")
     with pytest.raises(InvalidInput, match="format 1"):
         Provenance.read(tmp_path / "later.zip")
     (tmp_path / "torn.zip").write_bytes(b"PK")

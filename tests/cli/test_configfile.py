@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,6 +11,7 @@ pytest.importorskip("stable_baselines3")
 
 from coopenv import cli
 from coopenv.cli.arguments import read
+from coopenv.cli.environments import environments_of
 
 RUN = """
 steps = 1000
@@ -124,8 +126,10 @@ def test_a_file_that_is_not_there_or_of_another_kind_is_named(tmp_path, capsys):
     assert str(broken) in capsys.readouterr().err
 
 
-def choice(*options):
-    return command("evaluate", "random", *options).environment.config()
+def choice(*options) -> Any:
+    given = command("evaluate", "random", *options).environment
+    (place,) = environments_of({"random": "random"}, given)[0].values()
+    return place.config
 
 
 def test_only_what_is_named_changes():

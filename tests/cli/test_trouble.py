@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 
 import pytest
 
@@ -26,6 +27,7 @@ def complaint(monkeypatch, capsys):
     def run(*arguments) -> str:
         monkeypatch.setattr(train, "train", worked)
         monkeypatch.setattr(evaluate, "compare", worked)
+        monkeypatch.setattr(evaluate, "evaluate", worked)
         for study in ("Beam", "WalkerTurn", "WalkerAvoid", "Dyads"):
             monkeypatch.setattr(f"coopenv.agents.studies.commands.{study}.run", worked)
         assert cli.main([str(argument) for argument in arguments]) == 1
@@ -125,7 +127,9 @@ def test_numbers_of_an_evaluation_are_checked_before_it(option, complaint):
 def test_a_file_that_is_no_policy_is_named(content, tmp_path, complaint):
     path = tmp_path / "policy.zip"
     path.write_bytes(content)
-    assert f"{path} must be" in complaint("evaluate", path)
+    said = complaint("evaluate", path)
+    assert "policy must be a file that" in said
+    assert repr(str(path)) in said
 
 
 def test_a_name_too_long_for_a_file_is_told(complaint):
@@ -134,7 +138,9 @@ def test_a_name_too_long_for_a_file_is_told(complaint):
 
 @pytest.mark.parametrize("content", ['{"steps": ', "[1]", "3", '{"environment": {"envv": 3}}', "�"])
 def test_a_broken_configuration_beside_a_policy_is_named(content, tmp_path, complaint):
-    (tmp_path / "policy.zip").write_bytes(b"")
+    with zipfile.ZipFile(tmp_path / "policy.zip", "w") as archive:  # which does not say where from
+        for member in ("data", "policy.pth"):
+            archive.writestr(member, "")
     beside = tmp_path / "config.json"
     beside.write_bytes(content.encode("latin-1", errors="replace"))
     assert str(beside) in complaint("evaluate", tmp_path / "policy.zip")
@@ -155,7 +161,7 @@ def test_memory_that_does_not_suffice_is_told(error, monkeypatch, capsys):
     def starved(*_, **__):
         raise error
 
-    monkeypatch.setattr(evaluate, "compare", starved)
+    monkeypatch.setattr(evaluate, "evaluate", starved)
     assert cli.main(["evaluate", "random"]) == 1
     assert f"memory must suffice, got: {error}" in capsys.readouterr().err
 
@@ -165,7 +171,7 @@ def test_an_error_of_our_own_keeps_its_traceback(error, monkeypatch):
     def wrong(*_, **__):
         raise error
 
-    monkeypatch.setattr(evaluate, "compare", wrong)
+    monkeypatch.setattr(evaluate, "evaluate", wrong)
     with pytest.raises(type(error), match="ours"):
         cli.main(["evaluate", "random"])
 
@@ -174,7 +180,7 @@ def test_trouble_that_names_no_file_is_told_too(monkeypatch, capsys):
     def no_place(*_, **__):
         raise FileNotFoundError(2, "No usable temporary directory found in ['/tmp']")
 
-    monkeypatch.setattr(evaluate, "compare", no_place)
+    monkeypatch.setattr(evaluate, "evaluate", no_place)
     assert cli.main(["evaluate", "random"]) == 1
     assert "No usable temporary directory found" in capsys.readouterr().err
 

@@ -179,7 +179,7 @@ def test_sensors_change_nothing_that_they_are_not_on():
 
 
 def test_readings_stay_within_the_bounds_of_their_block_and_finite():
-    wild = Sensor("obstacles", noise=1e3), Sensor("load_share", bias=1e3), Sensor("goal", 1e300)
+    wild = Sensor("obstacles", noise=1e3), Sensor("load_share", bias=1e3), Sensor("goal", 1e12)
     core = Transport(num_worlds=16, observe=wild)
     core.reset(seed=0)
     obs, *_ = core.step(np.ones((16, 2, 3)))
@@ -235,10 +235,10 @@ def test_a_logged_step_says_what_the_sensors_were_drawn_with():
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"noise": -1.0}, "sensor.noise must be zero or positive"),
-        ({"bias": (0.1, -0.1, 0.1)}, "sensor.bias must be zero or positive"),
+        ({"noise": -1.0}, "sensor.noise must be from 0 to"),
+        ({"bias": (0.1, -0.1, 0.1)}, "sensor.bias must be from 0 to"),
         ({"noise": np.nan}, "sensor.noise must be finite"),
-        ({"noise": ()}, "sensor.noise must be zero or positive, one number"),
+        ({"noise": ()}, "sensor.noise must be from 0 to 1e.12, one number"),
         ({"noise": "some"}, "sensor.noise must be an array of numbers"),
         ({"delay": -1}, "sensor.delay must be a whole number of at least 0"),
         ({"delay": 0.5}, "sensor.delay must be a whole number"),

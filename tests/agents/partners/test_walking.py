@@ -160,7 +160,7 @@ def test_a_plan_of_its_own_is_told_and_is_where_the_way_leads(view):
 def test_people_differ_from_episode_to_episode_within_their_ranges():
     core = Transport(num_worlds=300, partner=Walking(delay=(1, 3)), horizon=4)
     core.reset(seed=0)
-    player = core._driven.player  # pyright: ignore[reportAttributeAccessIssue]
+    player = core.driven.player  # pyright: ignore[reportAttributeAccessIssue]
     first = player._mind.traits.copy()
     assert set(first[:, 0, DELAY]) == {1, 2, 3}
     core.reset()
