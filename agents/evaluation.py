@@ -1,0 +1,196 @@
+"""Evaluations: means over held-out episodes with intervals, their printed table, their files."""
+
+import csv
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from math import isnan, nan, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from coopenv.arrays import FloatArray
+from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.files import written
+
+from .episodes import Episodes
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+NORMAL_95 = 1.959964  # two-sided 95 % quantile of the normal distribution
+COLUMNS = (  # of the printed table, with units
+    ("success", "%"),
+    ("95 %", "%"),
+    ("sample", "%"),
+    ("time", "s"),
+    ("γ", ""),
+    ("F_I", "N"),
+    ("T_I", "N·m"),
+    ("share", "force"),
+    ("skew", "0-1"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evaluation:
+    """Means over exactly ``episodes`` held-out episodes, each counted once whatever its length.
+
+    Levels and shares are means over the steps of an episode first.
+    """
+
+    policy: str  # what it is called in the table
+    episodes: int
+    seed: int  # number of the evaluation; see `coopenv.agents.seeds`
+    success_rate: float
+    success_interval: tuple[float, float]  # 95 %, Wilson
+    sampled_success_rate: float  # with sampled actions; NaN for a policy with one way of acting
+    sampled_success_interval: tuple[float, float]
+    success_time: float  # [s], of the successful episodes; NaN where there is none
+    reward: float  # return of an episode, undiscounted, mean over the team
+    relative_cost: float  # γ
+    wasted_cost: float  # J(h) − J(h_M) [N]
+    internal_force_level: float  # F_I [N]
+    internal_torque_level: float  # T_I [N·m]
+    force_load_share: tuple[float, ...]  # one an agent
+    torque_load_share: tuple[float, ...]
+    load_imbalance: float  # of force; 0: all carry alike in every step, 1: one carries all
+    contact_impulse: float  # [N·s] an episode
+
+    @classmethod
+    def of(
+        cls,
+        seen: Episodes,
+        *,
+        dt: float,
+        policy: str = "",
+        seed: int = 0,
+        sampled: Episodes | None = None,
+    ) -> Self:
+        """Summarise episodes of control step ``dt`` [s]; ``sampled``: with sampled actions."""
+        rate, interval = success_of(seen)
+        sampled_rate, sampled_interval = success_of(sampled) if sampled else (nan, (nan, nan))
+        times = dt * seen.length[seen.success]  # [s]
+        return cls(
+            policy=policy,
+            episodes=len(seen.length),
+            seed=seed,
+            success_rate=rate,
+            success_interval=interval,
+            sampled_success_rate=sampled_rate,
+            sampled_success_interval=sampled_interval,
+            success_time=float(times.mean()) if len(times) else nan,
+            reward=float(seen.reward.mean()),
+            relative_cost=float(seen.relative_cost.mean()),
+            wasted_cost=float(seen.wasted_cost.mean()),
+            internal_force_level=float(seen.internal_force_level.mean()),
+            internal_torque_level=float(seen.internal_torque_level.mean()),
+            force_load_share=_defined_means(seen.force_load_share),
+            torque_load_share=_defined_means(seen.torque_load_share),
+            load_imbalance=_defined_means(seen.load_imbalance[:, None])[0],
+            contact_impulse=float(seen.contact_impulse.mean()),
+        )
+
+
+def success_of(seen: Episodes) -> tuple[float, tuple[float, float]]:
+    """Success rate and its 95 % interval."""
+    count, successes = len(seen.length), int(seen.success.sum())
+    return successes / count, wilson_interval(successes, count)
+
+
+def wilson_interval(successes: int, count: int) -> tuple[float, float]:
+    """95 % interval of a success rate (Wilson 1927): honest at 0 and 1, unlike ±1.96 σ."""
+    rate, square = successes / count, NORMAL_95**2
+    middle = rate + square / (2 * count)
+    spread = NORMAL_95 * sqrt(rate * (1 - rate) / count + square / (4 * count**2))
+    scale = 1 + square / count
+    low, high = (middle - spread) / scale, (middle + spread) / scale
+    return low if successes else 0.0, high if successes < count else 1.0
+
+
+def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table":
+    """The evaluations as a rich table, one row a policy."""
+    try:
+        from rich.box import SIMPLE_HEAD
+        from rich.table import Table
+    except ImportError as error:
+        raise MissingExtra("the table", "train") from error
+    made = Table(
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        show_edge=False,
+        collapse_padding=True,
+        pad_edge=False,
+    )
+    made.add_column("policy", min_width=11, overflow="fold")
+    for name, unit in COLUMNS:  # only the shares of a large team may go on in a second line
+        wide = name == "share"
+        made.add_column(f"{name}\n{unit}", justify="right", no_wrap=not wide, overflow="fold")
+    for seen in evaluations:
+        low, high = seen.success_interval
+        made.add_row(
+            seen.policy,
+            f"{100 * seen.success_rate:.1f}",
+            f"{100 * low:.0f}-{100 * high:.0f}",
+            "-" if isnan(seen.sampled_success_rate) else f"{100 * seen.sampled_success_rate:.1f}",
+            "-" if seen.success_rate == 0 else f"{seen.success_time:.2f}",
+            f"{seen.relative_cost:.3f}",
+            f"{seen.internal_force_level:.2f}",
+            f"{seen.internal_torque_level:.2f}",
+            ":".join(f"{share:.2f}" for share in seen.force_load_share),
+            f"{seen.load_imbalance:.2f}",
+        )
+    return made
+
+
+def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
+    """Write the evaluations to a ``.json`` or ``.csv`` file (there, one column an agent)."""
+    kind = table_format(path)
+    rows = [asdict(seen) for seen in evaluations]
+    with written(path) as part:
+        if kind == ".json":
+            part.write_text(json.dumps(_without_nan(rows), indent=2) + "\n")
+            return
+        flat = [_flat(row) for row in rows]
+        with part.open("w", newline="") as file:
+            names = dict.fromkeys(name for row in flat for name in row)  # teams differ in size
+            writer = csv.DictWriter(file, list(names))
+            writer.writeheader()
+            writer.writerows(flat)
+
+
+def table_format(path: str | os.PathLike) -> str:
+    """The suffix of a table's file; raise `InvalidInput` unless `save` writes such a file."""
+    kind = Path(path).suffix
+    if kind not in (".json", ".csv"):
+        raise InvalidInput(f"path must end in .json or .csv, got {os.fspath(path)!r}; rename it")
+    return kind
+
+
+def _defined_means(values: FloatArray) -> tuple[float, ...]:
+    """Mean of each column over the rows in which it is not NaN."""
+    defined = ~np.isnan(values)
+    means = np.nansum(values, axis=0) / np.maximum(defined.sum(axis=0), 1)
+    return tuple(np.where(defined.any(axis=0), means, nan).tolist())
+
+
+def _without_nan(value):
+    """NaN is no JSON: null instead."""
+    if isinstance(value, dict):
+        return {name: _without_nan(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(entry) for entry in value]
+    return None if value != value else value
+
+
+def _flat(row: dict) -> dict:
+    flat = {}
+    for name, value in row.items():
+        if isinstance(value, tuple):
+            flat.update({f"{name}_{i}": entry for i, entry in enumerate(value)})
+        else:
+            flat[name] = value
+    return flat
