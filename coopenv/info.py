@@ -71,8 +71,7 @@ def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:
 def copied(info: Info) -> Info:
     """A copy down to the arrays, so that what its owner does to it changes nothing here."""
     return {
-        name: copied(value) if isinstance(value, dict) else value.copy()
-        for name, value in info.items()
+        name: copied(value) if type(value) is dict else value.copy() for name, value in info.items()
     }
 
 

@@ -299,9 +299,7 @@ class Transport:
             goal = frames.wrap_pose(task.goal_at(plan, time))
         pose = frames.wrap_pose(self.world.pose)
         distance = task.way(plan, pose, goal)
-        return State(
-            pose=pose, twist=self.world.twist.copy(), goal=goal, distance=distance, time=time
-        )
+        return State(pose=pose, twist=self.world.twist, goal=goal, distance=distance, time=time)
 
     def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
         """Put ``worlds`` at the start of an episode; the transition that led to nothing yet."""
