@@ -299,6 +299,7 @@ class Transport:
             goal = frames.wrap_pose(task.goal_at(plan, time))
         pose = frames.wrap_pose(self.world.pose)
         distance = task.way(plan, pose, goal)
+        # The world makes its arrays anew in every step, so they need no copy.
         return State(pose=pose, twist=self.world.twist, goal=goal, distance=distance, time=time)
 
     def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
