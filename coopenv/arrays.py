@@ -205,8 +205,13 @@ def _objects(array: npt.NDArray[Any]) -> list[Any]:
 
 
 def _refuse_masked(value: Any, name: str) -> None:
-    """Raise where numbers are masked: as a plain array they would count again."""
-    if np.ma.isMA(value) and np.ma.is_masked(value):
-        raise InvalidInput(
-            f"{name} must have no masked values, got {np.ma.count_masked(value)}; fill or drop them"
-        )
+    """Raise where numbers are masked, in rows too: as a plain array they would count again."""
+    masked = _count_masked(value)
+    if masked:
+        raise InvalidInput(f"{name} must have no masked values, got {masked}; fill or drop them")
+
+
+def _count_masked(value: Any) -> int:
+    if np.ma.isMA(value):
+        return int(np.ma.count_masked(value))
+    return sum(map(_count_masked, value)) if isinstance(value, list | tuple) else 0

@@ -177,7 +177,7 @@ class LoadShare:
 
     def check(self, num_agents: int) -> None:
         """Raise `InvalidInput` unless there is one wanted share, or one an agent."""
-        wanted = self.wanted or 0.0
+        wanted = 0.0 if self.wanted is None else self.wanted
         if np.ndim(wanted) and np.shape(wanted) != (num_agents,):
             raise InvalidInput(
                 f"wanted must be one number or one for each of {num_agents} agents, got "

@@ -58,6 +58,8 @@ def test_masked_values_are_refused_and_do_not_count_again():
     for read in (finite_array, plain_array):
         with pytest.raises(InvalidInput, match="x must have no masked values, got 1"):
             read(masked, "x")
+        with pytest.raises(InvalidInput, match="x must have no masked values, got 2"):
+            read([[masked, [3.0, 4.0]], (masked, [5.0, 6.0])], "x")
     with pytest.raises(InvalidInput, match="x must be a number"):
         number(masked[1], "x")
 

@@ -291,7 +291,7 @@ def test_a_weight_that_is_no_finite_number_is_refused(weight):
         rewards.RewardSum({"success": rewards.Success(weight=weight)})
 
 
-@pytest.mark.parametrize("wanted", [(0.5,), (0.2, 0.3, 0.5), [[0.5, 0.5]]])
+@pytest.mark.parametrize("wanted", [(), (0.5,), (0.2, 0.3, 0.5), [[0.5, 0.5]]])
 def test_a_load_share_for_another_team_is_refused_at_construction(wanted):
     term = rewards.LoadShare(wanted=wanted)
     with pytest.raises(InvalidInput, match="wanted must be one number or one for each of 2 agents"):

@@ -92,6 +92,7 @@ def bad_actions(shape):
     yield from (np.zeros(shape, "M8[s]"), np.zeros(shape, "m8[s]"))
     yield from (zero.astype(object), np.full(shape, 10**400, dtype=object), None, {})
     yield np.ma.masked_array(zero, mask=zero == 0)
+    yield list(np.ma.masked_array(zero, mask=zero == 0))
     yield from (zero + np.nan, zero - np.inf, zero[..., None], [[1, 2], [3]], np.zeros(0), 3)
 
 
