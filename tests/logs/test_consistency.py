@@ -74,9 +74,9 @@ def test_right_recordings_in_space_pass(seed, tmp_path):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_pushed_by_walls_and_wheels_too_is_no_evidence(seed, tmp_path):
-    from coopenv import beam_doorway_v0, walker_turn_v0
+    from coopenv import beam_doorway_v0, walker_avoid_v0, walker_turn_v0
 
-    for environment in (beam_doorway_v0, walker_turn_v0):
+    for environment in (beam_doorway_v0, walker_turn_v0, walker_avoid_v0):
         columns, grips = motions.carried(seed, steps=300, **environment.DEFAULTS)
         assert seen(columns, tmp_path, grips=grips, twist_frame="world").warnings == ()
 
@@ -91,7 +91,9 @@ def test_bad_sensors_are_no_wrong_declaration(spoil, seed, tmp_path):
             columns[name] = np.roll(columns[name], 10)
         else:
             columns[name] = columns[name] + 4 if spoil == "biased" else cases.planar(1200)["f1x"]
-    assert seen(columns, tmp_path, **RIGHT).warnings == ()
+    for said in seen(columns, tmp_path, **RIGHT).warnings:
+        assert spoil == "random"
+        assert "no other frame, unit or sign that was tried does better" in said
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -163,6 +165,58 @@ def test_degrees_as_radians_are_named(seed, wrapped, tmp_path):
     assert "say --angle rad or --angular-velocity deg/s" in said
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_degrees_of_theta_and_omega_alike_are_named(seed, tmp_path):
+    columns = motions.planar(seed)
+    degrees = scaled(columns, 180 / np.pi, "theta", "omega")
+    said = only_warning(degrees, tmp_path, **RIGHT)
+    assert said.endswith("if theta is in deg: say --angle deg --angular-velocity deg/s")
+    declared = {"angle": "deg", "angular_velocity": "deg/s"}
+    assert seen(degrees, tmp_path, **RIGHT, **declared).warnings == ()
+    said = only_warning(columns, tmp_path, **RIGHT, **declared)
+    assert said.endswith("say --angle rad --angular-velocity rad/s")
+    world = scaled(forces_in_world(columns), 180 / np.pi, "theta", "omega")
+    said = only_warning(world, tmp_path, grips=motions.BEAM, frame="world")
+    assert said.endswith("if theta is in deg; say --angle deg --angular-velocity deg/s")
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("turned_round", [("f1y", "f2y"), ("f1", "t1"), ("f2",)])
+def test_what_nothing_explains_is_told_and_not_blamed_on_grips(turned_round, seed, tmp_path):
+    wrong = scaled(motions.planar(seed), -1.0, *turned_round)
+    said = only_warning(wrong, tmp_path, **RIGHT)
+    assert "no other frame, unit or sign that was tried does better" in said
+    assert "look first at the sign of each axis and of each sensor" in said
+    assert "exchange" not in said
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_object_at_rest_is_no_evidence(seed, tmp_path):
+    columns = motions.planar(seed, noise=0)
+    still = {name: np.full_like(columns[name], 0.3) for name in ("x", "y", "theta")}
+    still |= {name: np.zeros_like(columns["vx"]) for name in TWIST}
+    still |= {f"f2{axis}": -columns[f"f1{axis}"] for axis in "xy"}
+    held = motions.noisy(columns | still, np.random.default_rng(seed), 2.0)
+    assert seen(held, tmp_path, **RIGHT).warnings == ()
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("names", "factor", "ratio"),
+    [
+        (("x", "y"), 1e3, "1e+03"),
+        (("vx", "vy"), 1e3, "0.001"),
+        (("x", "y"), 1e2, "100"),
+        (("time",), 1e3, "0.001"),
+    ],
+)
+def test_a_pose_and_a_twist_in_units_that_differ_are_named(names, factor, ratio, seed, tmp_path):
+    columns = scaled(motions.planar(seed), factor, *names)
+    said = only_warning(columns, tmp_path, **RIGHT)
+    assert f"the position moves {ratio} times as fast as the velocity says" in said
+    assert "--length, --velocity and --time" in said
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_mistakes_in_space_are_named(seed, tmp_path):
     columns = motions.spatial(seed)
@@ -214,7 +268,7 @@ def test_what_cannot_be_compared_says_why(tmp_path):
     for given, why in (
         (without(columns, "time"), "it has no time"),
         (without(columns, "x", *TWIST), "neither a twist nor a whole pose"),
-        (few, "fewer than 12 windows"),
+        (few, "fewer than 2.6 seconds, or 13 rows, in sequence"),
     ):
         found = seen(given, tmp_path, grips=motions.BEAM)
         assert why in found.unchecked

@@ -9,30 +9,24 @@ cable that carries it) are not known here; they leave a part unexplained that is
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 
 from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
-from coopenv.logs.consistency.windows import Segments
-from coopenv.logs.layout import UNITS, Layout
+from coopenv.logs.consistency.mistakes import (
+    BAD,
+    GOOD,
+    OTHER,
+    Fit,
+    nothing_explains,
+    wrench_mistakes,
+)
+from coopenv.logs.consistency.windows import WINDOW, Segments
+from coopenv.logs.layout import Layout
 from coopenv.logs.recording import Recording
 
-BAD = 0.3  # unexplained share from which a declaration is doubted
-GOOD = 0.2  # and up to which another one may take its place,
-BETTER = 0.25  # if it leaves at most this part of what the first leaves
-CLEAR = 0.1  # both, where recordings are clear
 DEGREES = 180 / np.pi
-OTHER = {"object": "world", "world": "object"}
-
-
-class Fit(NamedTuple):
-    """Share of what was recorded that the motion explains, in [0, 1]; NaN where it is not known."""
-
-    force: float = np.nan
-    torque: float = np.nan
-    power: float = np.nan
+APART = 2.0  # ratio of speeds of pose and twist from which one is in another unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,10 +72,15 @@ class Check:
         if self._missing:
             return Consistency(unchecked=self._missing)
         if not self._laws.enough("power"):
-            return Consistency(unchecked=f"fewer than {LEAST_WINDOWS} windows of rows in sequence")
-        return Consistency(_fit(self._laws, self._layout), tuple(self._warnings()))
+            least = LEAST_WINDOWS + 1  # differences of windows are compared
+            return Consistency(
+                unchecked=f"fewer than {least * WINDOW:.1f} seconds, or {least} rows, in sequence"
+            )
+        fit = _fit(self._laws, self._layout)
+        found = tuple(self._warnings(fit))
+        return Consistency(fit, found or tuple(nothing_explains(self._laws, fit)))
 
-    def _warnings(self) -> Iterator[str]:
+    def _warnings(self, fit: Fit) -> Iterator[str]:
         """The likeliest mistakes; kinematics first, as it tells what else to believe."""
         laws, layout = self._laws, self._layout
         angle, wrong = self._angle()
@@ -92,10 +91,12 @@ class Check:
         twist = OTHER[str(layout.twist_frame)] if laws.twist_is_in_the_other_frame() else ""
         if twist:
             yield f"the twist goes with the pose in the {twist} frame: say --twist-frame {twist}"
+        yield from self._speed()
         candidates = [laws]
-        if not laws.enough("spin") and self._other_angle is not None:
+        doubted = not laws.enough("spin") or min(fit[:2]) < 1 - BAD  # theta and omega both wrong
+        if doubted and not wrong and self._other_angle is not None:
             candidates.append(self._other_angle)
-        yield from _wrench_mistakes(candidates, layout, twist or str(layout.twist_frame))
+        yield from wrench_mistakes(candidates, layout, twist or str(layout.twist_frame))
 
     def _angle(self) -> tuple[str, bool]:
         """What is wrong with angles where pose and twist both tell them, and whether theta is."""
@@ -122,6 +123,15 @@ class Check:
             f"degrees taken for radians or the reverse do: say {' or '.join(said)}"
         ), theta
 
+    def _speed(self) -> Iterator[str]:
+        """Whether position and velocity are in units, or at times, that do not go together."""
+        left, ratio = self._laws.shift()
+        if left < GOOD and not 1 / APART < ratio < APART:
+            yield (
+                f"the position moves {ratio:.3g} times as fast as the velocity says: look at the "
+                "units, --length, --velocity and --time"
+            )
+
 
 def _least_left(laws: Laws) -> float:
     """Share left unexplained when frame, velocity and sign are chosen to explain the most."""
@@ -131,101 +141,6 @@ def _least_left(laws: Laws) -> float:
         for velocity in laws.velocities("")
         for sign in (1.0, -1.0)
     )
-
-
-class _Reading(NamedTuple):
-    """One way to understand the forces."""
-
-    laws: Laws
-    frame: str
-    velocity: str
-    sign: float
-
-
-def _wrench_mistakes(candidates: list[Laws], layout: Layout, twist: str) -> Iterator[str]:
-    """What would make wrenches explain the motion."""
-    laws = candidates[0]
-    if not laws.enough("force") and not laws.enough("torque"):  # no orientation
-        if _much_better(laws.power(-1.0), laws.power(1.0)):
-            yield f"the power goes against the change of kinetic energy: {_REACTION}"
-        return
-    velocities = laws.velocities(twist) or [""]
-    readings = [
-        _Reading(each, frame, velocity, sign)
-        for each in candidates
-        for velocity in velocities
-        for frame in (layout.frame, OTHER[layout.frame])
-        for sign in (1.0, -1.0)
-    ]
-    chosen, decided = readings[0], False
-    if laws.enough("force"):
-        left = [each.laws.force(each.frame, each.velocity, each.sign) for each in readings]
-        best = int(np.argmin(left))
-        decided = left[0] < BAD
-        if _much_better(left[best], left[0]):
-            chosen, decided = readings[best], True
-            yield from _force_mistakes(chosen, readings[0], twist)
-    if laws.enough("torque"):
-        yield from _torque_mistakes(chosen, decided, layout)
-
-
-_REACTION = (
-    "forces and torques may be those on the sensors instead of on the object; turn their signs, "
-    "--map f1x=-f1x …"
-)
-
-
-def _force_mistakes(chosen: _Reading, said: _Reading, twist: str) -> Iterator[str]:
-    begin = "the resultant force goes with the acceleration if"
-    if chosen.laws is not said.laws:
-        unit = "deg" if chosen.laws.angle < 1 else "rad"
-        yield f"{begin} theta is in {unit}: say --angle {unit}"
-    if chosen.velocity not in ("pose", twist):
-        twist = chosen.velocity
-        yield f"{begin} the twist is in the {twist} frame: say --twist-frame {twist}"
-    if chosen.frame != said.frame:
-        also = f" --twist-frame {twist}" if chosen.laws.has_twist else ""
-        yield f"{begin} forces are in the {chosen.frame} frame: say --frame {chosen.frame}{also}"
-    if chosen.sign < 0:
-        yield f"the resultant force goes against the acceleration: {_REACTION}"
-
-
-def _torque_mistakes(chosen: _Reading, decided: bool, layout: Layout) -> Iterator[str]:
-    laws, frame, sign = chosen.laws, chosen.frame, chosen.sign
-    said = laws.torque(frame, force=sign, torque=sign)
-    tried: list[tuple[float, str]] = []
-    for i, j in combinations(range(laws.num_swapped), 2):
-        text = f"if the grips of effectors {i + 1} and {j + 1} are exchanged; exchange them"
-        tried.append((laws.torque(frame, force=sign, torque=sign, swapped=(i, j)), text))
-    for factor, word in ((1e-3, "large"), (1e3, "small")):
-        unit = _unit_beside(layout.torque, factor)
-        text = f"if torques are 1000 times too {word}; look at their unit{unit}"
-        tried.append((laws.torque(frame, force=sign, torque=sign * factor), text))
-    text = "if torques have the other sign; turn it, --map t1z=-t1z …"
-    tried.append((laws.torque(frame, force=sign, torque=-sign), text))
-    if not decided:
-        text = f"if all signs are turned; {_REACTION}"
-        tried.append((laws.torque(frame, force=-sign, torque=-sign), text))
-        text = f"if forces are in the {OTHER[frame]} frame; say --frame {OTHER[frame]}"
-        tried.append((laws.torque(OTHER[frame], force=sign, torque=sign), text))
-    left, text = min(tried, key=lambda each: each[0])
-    if _much_better(left, said):
-        yield f"the resultant torque goes with the angular acceleration {text}"
-
-
-def _unit_beside(declared: str, factor: float) -> str:
-    """The unit that is so many times the declared one, as advice."""
-    known = UNITS["torque"]
-    for unit, size in known.items():
-        if np.isclose(size, factor * known[declared]):
-            return f", such as --torque {unit}"
-    return ""
-
-
-def _much_better(left: float, said: float) -> bool:
-    """Whether the evidence is strong that another declaration is the right one."""
-    doubted = said > BAD and left < BETTER * said
-    return left < GOOD and (doubted or (said > CLEAR and left < CLEAR * said))
 
 
 def _fit(laws: Laws, layout: Layout) -> Fit:

@@ -11,7 +11,7 @@ LEAST_WINDOWS = 12  # fewer are no evidence
 class Laws:
     """Sums over windows from which every law can be fitted, whatever was meant by the file.
 
-    Each method returns the share that its law leaves unexplained, in [0, 1].
+    Each law is a method that returns the share that it leaves unexplained, in [0, 1].
 
     Parameters
     ----------
@@ -76,6 +76,19 @@ class Laws:
         said = self._declared["twist"]
         left = {frame: self._moments["shift"].fit({"pose": 1.0}, [frame])[0] for frame in FRAMES}
         return left[said] > 0.05 and min(left.values()) < 0.1 * left[said]
+
+    def shift(self) -> tuple[float, float]:
+        """Velocity of the pose by that of the twist, as ``spin``; in the frame that suits it."""
+        if not self.enough("shift"):
+            return 1.0, 1.0
+        fits = (self._moments["shift"].fit({"pose": 1.0}, [frame]) for frame in FRAMES)
+        left, ratio = min(fits, key=lambda fit: fit[0])
+        return left, float(ratio[0])
+
+    def speeding(self) -> float:
+        """Usual change of velocity from window to window [m/s]; 0 where it is not known."""
+        known = self.velocities(self._declared["twist"])
+        return self._moments["force"].size(f"momentum {known[0]}") if known else 0.0
 
     def add(self, segment: Recording, rows: int) -> None:
         """Append rows that follow one another, of which so many make a window."""

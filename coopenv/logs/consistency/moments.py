@@ -36,6 +36,13 @@ class Moments:
         self._sum += stacked.sum(axis=0)
         self._products += flat.T @ flat
 
+    def size(self, name: str) -> float:
+        """Root mean square of a signal; 0 where there is none."""
+        if not self.count:
+            return 0.0
+        place = self._names.index(name)
+        return float(np.sqrt(self._products[place, place] / self.count))
+
     def fit(
         self, response: Mapping[str, float], causes: Sequence[str], free: Sequence[str] = ()
     ) -> tuple[float, FloatArray]:
