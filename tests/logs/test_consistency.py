@@ -93,7 +93,7 @@ def test_bad_sensors_are_no_wrong_declaration(spoil, seed, tmp_path):
             columns[name] = columns[name] + 4 if spoil == "biased" else cases.planar(1200)["f1x"]
     for said in seen(columns, tmp_path, **RIGHT).warnings:
         assert spoil == "random"
-        assert "no other frame, unit or sign that was tried does better" in said
+        assert "no other frame, unit or sign that was tried explains them" in said
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -185,9 +185,27 @@ def test_degrees_of_theta_and_omega_alike_are_named(seed, tmp_path):
 def test_what_nothing_explains_is_told_and_not_blamed_on_grips(turned_round, seed, tmp_path):
     wrong = scaled(motions.planar(seed), -1.0, *turned_round)
     said = only_warning(wrong, tmp_path, **RIGHT)
-    assert "no other frame, unit or sign that was tried does better" in said
+    assert "no other frame, unit or sign that was tried explains them" in said
     assert "look first at the sign of each axis and of each sensor" in said
     assert "exchange" not in said
+
+
+def test_forces_of_other_times_are_not_taken_for_those_of_reaction(tmp_path):
+    columns = motions.planar(2)
+    names = [name for name in columns if name[0] == "f" or name in ("t1z", "t2z")]
+    late = columns | {name: np.roll(columns[name], 100) for name in names}  # by 1 s
+    said = only_warning(late, tmp_path, **RIGHT)
+    assert "whether forces and motion have the same times" in said
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_reactions_on_wheels_are_named_by_torque_and_power(seed, tmp_path):
+    from coopenv import walker_turn_v0
+
+    columns, grips = motions.carried(seed, steps=300, **walker_turn_v0.DEFAULTS)
+    against = scaled(columns, -1.0, "f1", "f2", "t1", "t2")
+    said = only_warning(against, tmp_path, grips=grips, twist_frame="world")
+    assert "forces and torques may be those on the sensors" in said
 
 
 @pytest.mark.parametrize("seed", range(3))

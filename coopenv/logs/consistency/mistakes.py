@@ -72,7 +72,7 @@ def wrench_mistakes(candidates: list[Laws], layout: Layout, twist: str) -> Itera
             chosen, decided = best, True
             yield from _force_mistakes(chosen, said, layout, twist)
     if laws.enough("torque"):
-        others = [each for each in candidates if each is not chosen.laws]
+        others = candidates[1:] if chosen.laws is laws else []
         yield from _torque_mistakes(chosen, others, decided, layout)
 
 
@@ -125,9 +125,10 @@ def _torque_mistakes(
         unit, options = _angle_said(other, layout)
         text = f"if theta is in {unit}; say {options}"
         tried.append((other.torque(frame, force=sign, torque=sign), text))
-    if not decided:
+    if not decided and (not laws.enough("force") or laws.power(-sign) < BAD):
         text = f"if all signs are turned; {_REACTION}"
         tried.append((laws.torque(frame, force=-sign, torque=-sign), text))
+    if not decided:
         text = f"if forces are in the {OTHER[frame]} frame; say --frame {OTHER[frame]}"
         tried.append((laws.torque(OTHER[frame], force=sign, torque=sign), text))
     left, text = min(tried, key=lambda each: each[0])
@@ -144,9 +145,9 @@ def nothing_explains(laws: Laws, fit: Fit) -> Iterator[str]:
         yield (
             f"the motion explains {100 * fit.force:.0f} % of the resultant force and "
             f"{100 * fit.power:.0f} % of the power, and no other frame, unit or sign that was "
-            "tried does better; look first at the sign of each axis and of each sensor (--map "
-            "f1y=-f1y …), at units, at which sensor is which effector, and whether forces and motion have "
-            "the same times"
+            "tried explains them; look first at the sign of each axis and of each sensor (--map "
+            "f1y=-f1y …), at units, at which sensor is which effector, and whether forces and "
+            "motion have the same times"
         )
 
 
