@@ -27,6 +27,7 @@ MOST = {  # beyond, a network's numbers overflow or worlds share seeds
 }
 
 NOTED = ("provenance",)  # entries of config.json that others write beside the settings
+UNSAVED = ("fresh",)  # said for one call, and never taken from a file: it removes a run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,7 +159,7 @@ class TrainConfig:
     checkpoint_every: int = 10
     """Updates between two checkpoints."""
     fresh: bool = False
-    """Start over, and remove the run that the folder holds."""
+    """Start over, and remove the run that the folder holds. Not kept with the other settings."""
     out: Path = Path("runs/beam_transport")
     """Folder for the policy, logs and pictures."""
 
@@ -168,6 +169,8 @@ class TrainConfig:
             whole(getattr(self, name), name, at_least=1)
         whole(self.batch_size, "batch_size", at_least=2)  # advantages are normalised in it
         whole(self.seed, "seed", at_least=0)
+        if not isinstance(self.fresh, bool):  # anything else is true or false by accident
+            raise InvalidInput(f"fresh must be True or False, got {self.fresh!r}; give one of them")
         _check_numbers(self)
         for name in ("learning_rate", "discount", "gae_lambda", "clip_range", "initial_std"):
             positive(getattr(self, name), name)
@@ -187,15 +190,16 @@ class TrainConfig:
             object.__setattr__(self, "environment", partnered)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, strings and lists."""
-        return json.loads(json.dumps(asdict(self), default=str))
+        """Plain numbers, strings and lists; without ``fresh``, which is said for one call."""
+        values = {name: value for name, value in asdict(self).items() if name not in UNSAVED}
+        return json.loads(json.dumps(values, default=str))
 
     def identity(self) -> dict[str, Any]:
         """What two runs must have in common for one to go on from the other's checkpoint.
 
         Beside it, all of the environment (`coopenv.agents.provenance`), whatever it was named by.
         """
-        free = ("environment", "out", "fresh", "threads", "checkpoint_every", "steps")
+        free = ("environment", "out", "threads", "checkpoint_every", "steps")
         return {name: value for name, value in self.to_dict().items() if name not in free}
 
     def save(self, path: str | os.PathLike, *, notes: Mapping[str, Any] | None = None) -> None:
@@ -220,8 +224,9 @@ class TrainConfig:
 
     @classmethod
     def from_dict(cls, given: Mapping[str, Any], source: str = "a training run") -> Self:
-        """The configuration that `to_dict` made plain, from ``source``."""
+        """The configuration that `to_dict` made plain, from ``source``; ``fresh`` is not taken."""
         _check_names(given, f"entry of {source}", cls)
+        given = {name: value for name, value in given.items() if name not in UNSAVED}
         environment = given.get("environment", {})
         _check_names(environment, f"environment's entry of {source}", EnvironmentChoice)
         return cls(**given)

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from math import ceil
 from pathlib import Path
 
@@ -24,6 +25,12 @@ try:
     from stable_baselines3 import PPO
 except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
+
+LOG = "ppo"  # what TensorBoard's folders begin with
+WRITTEN = (  # into a run's folder beside its policy; the last three by ``coopenv train``
+    *("config.json", "curves.csv", "curves.png"),
+    *("table.csv", "table.json", "episode.gif"),
+)
 
 __all__ = ["EnvironmentChoice", "TrainConfig", "train"]
 
@@ -129,7 +136,7 @@ def _learn(
             max(0, config.steps * per_step - model.num_timesteps),
             callback=watch,
             reset_num_timesteps=model.num_timesteps == 0,
-            tb_log_name="ppo",
+            tb_log_name=LOG,
         )
         save(config.out / POLICY, model, provenance, progress)
     except KeyboardInterrupt as stop:
@@ -197,8 +204,12 @@ def _interrupted(done: int, config: TrainConfig) -> str:
 
 def _clear(out: Path) -> None:
     """Remove the run that a folder holds, so that no later call takes it for the new one."""
-    for name in (POLICY, CHECKPOINT, "config.json", "curves.csv", "curves.png"):
+    for name in (POLICY, CHECKPOINT, *WRITTEN):
         (out / name).unlink(missing_ok=True)
+    for log in (out / "tensorboard").glob(f"{LOG}_*/events.out.tfevents.*"):
+        log.unlink()
+        with suppress(OSError):  # a folder with something else in it stays
+            log.parent.rmdir()
 
 
 def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:

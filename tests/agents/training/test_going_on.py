@@ -265,6 +265,27 @@ def test_fresh_removes_the_run_that_was_there(tmp_path):
     assert rows[0]["steps"] == 32
 
 
+def test_fresh_removes_all_that_the_run_wrote_and_nothing_else(tmp_path):
+    train(tiny(tmp_path), environment=SHORT)
+    (old,) = (tmp_path / "tensorboard").glob("*/events*")
+    of_command = [tmp_path / name for name in ("table.csv", "table.json", "episode.gif")]
+    others = [tmp_path / "notes.txt", tmp_path / "tensorboard" / "mine.txt"]
+    for path in (*of_command, *others):
+        path.write_text("of before")
+    with pytest.raises(KeyboardInterrupt):
+        train(tiny(tmp_path, fresh=True), environment=SHORT, report=stop_at(32))
+    assert not [path for path in of_command if path.exists()]
+    assert not old.exists()
+    assert len(list((tmp_path / "tensorboard").glob("*/events*"))) == 1
+    assert [path.read_text() for path in others] == ["of before"] * 2
+
+
+@pytest.mark.parametrize("fresh", ["no", "yes", 1, 0, None])
+def test_fresh_is_true_or_false_and_nothing_else(fresh, tmp_path):
+    with pytest.raises(InvalidInput, match="fresh must be True or False"):
+        tiny(tmp_path, fresh=fresh)
+
+
 def test_an_interrupted_fresh_run_says_that_it_goes_on_without_fresh(tmp_path):
     with pytest.raises(KeyboardInterrupt, match="again without --fresh to go on"):
         train(tiny(tmp_path, fresh=True), environment=SHORT, report=stop_at(96))
