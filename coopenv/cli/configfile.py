@@ -12,8 +12,10 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from coopenv.agents.differences import differences
 from coopenv.agents.overrides import GROUPS, entries_of
-from coopenv.agents.settings import NOTED, EnvironmentChoice, TrainConfig
+from coopenv.agents.provenance import Provenance
+from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import reading
 
@@ -33,7 +35,8 @@ def load(path: Path) -> dict[str, Any]:
     Raises
     ------
     InvalidInput
-        If the file cannot be read, is neither TOML nor JSON, or has another form.
+        If the file cannot be read, is neither TOML nor JSON, has another form or says ``fresh``;
+        or if it is of a run in another environment than its options name.
     UnknownName
         If a name is not an option.
     """
@@ -43,11 +46,13 @@ def load(path: Path) -> dict[str, Any]:
         text = path.read_text(encoding="utf-8")
         content = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
     top = (*TRAINING, *COMPARISON, "evaluation")
-    if isinstance(content, dict):  # what a run notes beside its options is no option
-        content = {name: content[name] for name in content if name not in NOTED}
+    noted, content = _parted(content)
     content = _checked(content, f"option in {path}", top)
+    _refuse_fresh(content, path)
     for name, known in (("environment", ENVIRONMENT), ("evaluation", EVALUATION)):
         content[name] = _checked(content.get(name, {}), f"option in {path}, {name}", known)
+    if noted is not None:
+        _check_recorded(noted, content, path)
     return content
 
 
@@ -82,6 +87,47 @@ def environment(given: Mapping[str, Any], start: EnvironmentChoice) -> Environme
         for name, value in given.items()
     }
     return replace(start, **values)
+
+
+def _parted(content: Any) -> tuple[Any, Any]:
+    """What a run notes beside its options, None if there is nothing; and the options.
+
+    Runs of before wrote ``fresh``, said for their one call, among the options.
+    """
+    if not isinstance(content, dict) or not set(NOTED) & set(content):
+        return None, content
+    options = {name: content[name] for name in content if name not in (*NOTED, *UNSAVED)}
+    return content, options
+
+
+def _refuse_fresh(content: Mapping[str, Any], path: Path) -> None:
+    """Raise if a file would remove a run whenever it is used."""
+    for name in UNSAVED:
+        if name in content:
+            raise InvalidInput(
+                f"{name} must be given on the command line, got {content[name]!r} in {path}, which "
+                f"would remove a run each time; take it out of the file and give --{name}"
+            )
+
+
+def _check_recorded(noted: Mapping[str, Any], content: Mapping[str, Any], path: Path) -> None:
+    """Raise if the file's options name another environment than its run had.
+
+    A run that was given its environment from Python has options that do not tell of it.
+    """
+    provenance = Provenance.from_notes(noted)
+    if provenance is None:
+        return
+    choice = environment(content["environment"], EnvironmentChoice())
+    named = json.loads(choice.config().to_json())
+    found = differences(provenance.environment, named)
+    if found:
+        raise InvalidInput(
+            f"config must name the environment that its run had, got {path}, whose options differ "
+            f"from its record in {', '.join(found)}; the run was given its environment from Python "
+            "(train it there with TransportConfig.from_json of the record, evaluate its policy.zip "
+            "without --config), or the options were changed (then take provenance out of the file)"
+        )
 
 
 def _checked(content: Any, what: str, known: Iterable[str]) -> dict[str, Any]:

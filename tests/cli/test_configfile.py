@@ -1,6 +1,7 @@
 """Files of options, and numbers of body, scene, task and reward on the command line."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ import pytest
 pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
-from coopenv import cli
+from coopenv import TransportConfig, cli
+from coopenv.agents.provenance import Provenance
+from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.cli.arguments import read
 from coopenv.cli.environments import environments_of
 
@@ -187,3 +190,70 @@ def test_the_file_on_the_page_of_commands_is_one(tmp_path):
     made = command("train", "--config", path)
     assert made.training.environment.config().body.mass == 12.0
     assert command("evaluate", "random", "--config", path).episodes == 200
+
+
+@pytest.mark.parametrize("value", ["true", "false", "'no'", "1"])
+def test_fresh_in_a_file_is_refused_since_it_would_remove_a_run_each_time(value, tmp_path, capsys):
+    path = tmp_path / "run.toml"
+    path.write_text(f"fresh = {value}")
+    kept = tmp_path / "out" / "policy.zip"
+    kept.parent.mkdir()
+    kept.write_bytes(b"a finished run")
+    assert cli.main(["train", "--config", str(path), f"--out={kept.parent}"]) == 1
+    assert "fresh must be given on the command line" in capsys.readouterr().err
+    assert kept.read_bytes() == b"a finished run"
+
+
+def recorded(path: Path, given: TransportConfig | None = None, **options: Any) -> TrainConfig:
+    """Write what a run leaves, without running it."""
+    config = TrainConfig(out=path.parent, **options)
+    record = Provenance.of(config, given or config.environment.config())
+    config.save(path, notes=record.to_notes())
+    return config
+
+
+def test_fresh_of_a_run_does_not_come_back_with_its_config_json(tmp_path):
+    path = tmp_path / "config.json"
+    config = recorded(path, fresh=True)
+    assert "fresh" not in json.loads(path.read_text())
+    assert command("train", "--config", path).training == replace(config, fresh=False)
+    before = json.loads(path.read_text()) | {"fresh": True}  # as it was written once
+    path.write_text(json.dumps(before))
+    assert not command("train", "--config", path).training.fresh
+    assert not TrainConfig.load(path).fresh
+    assert command("train", "--config", path, "--fresh").training.fresh
+
+
+def test_a_config_json_that_does_not_name_its_environment_is_refused(tmp_path, capsys):
+    path = tmp_path / "config.json"
+    recorded(path, TransportConfig(horizon=40))
+    for line in (["train", f"--out={tmp_path / 'new'}"], ["evaluate", "random", "--episodes=1"]):
+        assert cli.main([*line, "--config", str(path)]) == 1
+        said = capsys.readouterr().err
+        assert "differ from its record in horizon" in said
+        assert "TransportConfig.from_json" in said
+        assert "without --config" in said
+    assert not (tmp_path / "new").exists()
+    options = json.loads(path.read_text())
+    del options["provenance"]
+    path.write_text(json.dumps(options))
+    assert command("train", "--config", path).training.environment.config().horizon == 200
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"horizon": 40, "body": ("mass=4",), "weights": ("progress=2",)},
+        {"env": "coopenv/BeamDoorway-v0", "partner": "population", "randomise": ("mass=[4, 9]",)},
+        {"env": "coopenv/WalkerTurn-v0", "scene": ("size=[8, 7]",)},
+    ],
+)
+@pytest.mark.parametrize("control", ["joint", "partner"])
+def test_every_environment_that_options_name_comes_back_from_its_config_json(
+    environment, control, tmp_path
+):
+    path = tmp_path / "config.json"
+    config = recorded(path, environment=EnvironmentChoice(**environment), control=control)
+    assert command("train", "--config", path).training == config
+    made = command("evaluate", "random", "--config", path)
+    assert made.environment.config() == config.environment.config()
