@@ -18,7 +18,7 @@ from coopenv.config import TransportConfig
 from coopenv.errors import CoopenvError, InvalidInput
 
 from .differences import differences
-from .settings import TrainConfig
+from .settings import EnvironmentChoice, TrainConfig
 
 KEY, FORMAT = "provenance", 1  # in the notes; raised when one of before would mean something else
 PACKAGES = ("coopenv", "numpy", "torch", "stable-baselines3", "pymunk")
@@ -31,7 +31,7 @@ class Provenance:
     environment: dict[str, Any]
     """All of the environment: `TransportConfig.to_json`."""
     training: dict[str, Any]
-    """Settings of the run: `TrainConfig.to_dict`."""
+    """Settings of the run: `TrainConfig.to_dict`; empty where no run of ours trained the policy."""
     versions: dict[str, str]
     """Of Python and of what computed the run."""
     command: list[str]
@@ -66,18 +66,31 @@ class Provenance:
         Raises
         ------
         InvalidInput
-            If it is of another format.
+            If it is of another format, or damaged.
         """
         given = notes.get(KEY)
         if given is None:
             return None
-        names = {"format", *(entry.name for entry in fields(cls))}
-        if not isinstance(given, Mapping) or given.get("format") != FORMAT or set(given) != names:
+        names = {entry.name for entry in fields(cls)}
+        if (
+            not isinstance(given, Mapping)
+            or given.get("format") != FORMAT
+            or {*given, "training"} != {"format", *names}
+        ):
             raise InvalidInput(
                 f"{KEY} must be of format {FORMAT}, got {given!r:.80}; read it with the "
                 "coopenv that wrote it, or a newer one"
             )
-        return cls(**{name: value for name, value in given.items() if name != "format"})
+        values: dict[str, Any] = {name: given.get(name) for name in names}
+        if values["training"] is None:  # of a policy that no run of ours trained
+            values["training"] = {}
+        for name, value in values.items():
+            if not _is_right(name, value):
+                raise InvalidInput(
+                    f"{KEY}.{name} must be what a run wrote there, got {value!r:.80}; the file is "
+                    "damaged: copy it again"
+                )
+        return cls(**values)
 
     @classmethod
     def read(cls, path: str | os.PathLike) -> Self | None:
@@ -90,7 +103,11 @@ class Provenance:
         """
         from .learned import read_notes
 
-        return cls.from_notes(read_notes(path))
+        notes = read_notes(path)
+        try:
+            return cls.from_notes(notes)
+        except InvalidInput as error:
+            raise InvalidInput(f"{error} (policy {os.fspath(path)!r})") from error
 
     def to_notes(self) -> dict[str, Any]:
         """An entry for `coopenv.agents.learned.NOTES`."""
@@ -108,8 +125,8 @@ class Provenance:
 
     @property
     def env(self) -> str:
-        """The Gymnasium id that was named."""
-        return self.training["environment"]["env"]
+        """The Gymnasium id that was named; the default where no run of ours trained the policy."""
+        return self.training["environment"]["env"] if self.training else EnvironmentChoice().env
 
     def differences(self, other: Self) -> list[str]:
         """Dotted names of what keeps one run from going on from the other's checkpoint."""
@@ -128,6 +145,20 @@ class Provenance:
         """What two runs must have in common for one to go on from the other's checkpoint."""
         settings = TrainConfig.from_dict(self.training).identity()
         return {**settings, "environment": self.environment}
+
+
+def _is_right(name: str, value: Any) -> bool:
+    """Whether an entry is of its kind."""
+    if name == "command":
+        return isinstance(value, list) and all(isinstance(word, str) for word in value)
+    if not isinstance(value, Mapping):
+        return False
+    if name == "versions":
+        return all(isinstance(each, str) for each in value.values())
+    if name == "training" and value:
+        environment = value.get("environment")
+        return isinstance(environment, Mapping) and isinstance(environment.get("env"), str)
+    return True
 
 
 def versions() -> dict[str, str]:

@@ -13,11 +13,13 @@ from coopenv.errors import InvalidInput, MissingExtra
 
 from . import curves
 from .curves import Row
+from .learned import load_model
+from .learned.finite import has_diverged, require_finite
 from .provenance import Provenance
 from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
-from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
+from .training.checkpoint import CHECKPOINT, POLICY, REMEDY, Checkpoint, Keeper, save
 from .training.progress import Progress, Watch
 
 try:
@@ -71,6 +73,7 @@ def train(
     InvalidInput
         If ``config.out`` holds another run, or this one with more steps done; or if the environment
         cannot be written into it.
+        Also if it diverges, with the last update that did not in the checkpoint.
     KeyboardInterrupt
         If it is interrupted; the message says where the next call will go on.
     """
@@ -138,7 +141,12 @@ def _learn(
             reset_num_timesteps=model.num_timesteps == 0,
             tb_log_name=LOG,
         )
+        require_finite(model, "of the policy")
         save(config.out / POLICY, model, provenance, progress)
+    except ValueError as error:
+        if not has_diverged(model, error):
+            raise
+        raise _diverged(keeper.write_kept(model), config) from error
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(_interrupted(keeper.write_kept(model), config)) from stop
 
@@ -202,6 +210,16 @@ def _interrupted(done: int, config: TrainConfig) -> str:
     )
 
 
+def _diverged(done: int, config: TrainConfig) -> InvalidInput:
+    kept = f"; {config.out / CHECKPOINT} holds the {done:,} steps before" if done else ""
+    return InvalidInput(
+        f"weights of the policy must stay finite, got nan or inf after {done:,} of "
+        f"{config.steps:,} steps: the training diverged; lower learning_rate (it is "
+        f"{config.learning_rate:g}), clip_range, entropy_weight or initial_std, and choose another "
+        f"out or start over with fresh=True (--fresh){kept}"
+    )
+
+
 def _clear(out: Path) -> None:
     """Remove the run that a folder holds, so that no later call takes it for the new one."""
     for name in (POLICY, CHECKPOINT, *WRITTEN):
@@ -241,7 +259,11 @@ def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
 
 def _resume(found: Checkpoint, config: TrainConfig, venv: TransportVecEnv) -> PPO:
     """The model as it was at the checkpoint, with random numbers of its own."""
-    model = PPO.load(found.path, env=venv, device="cpu")
+    try:
+        model = load_model(found.path, PPO, venv=venv).model
+    except InvalidInput as error:
+        raise InvalidInput(f"{error}; or {REMEDY}") from error
+    assert isinstance(model, PPO)
     model.tensorboard_log = str(config.out / "tensorboard")  # the folder may have been moved
     model.set_random_seed(config.seed + model.num_timesteps)
     _seed_worlds(config, venv, steps=model.num_timesteps)

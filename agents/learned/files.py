@@ -13,10 +13,12 @@ from coopenv.files import written
 try:
     from stable_baselines3.common.base_class import BaseAlgorithm
     from stable_baselines3.common.save_util import json_to_data
+    from stable_baselines3.common.vec_env import VecEnv
 except ImportError as error:
     raise MissingExtra("coopenv.agents.sb3", "train") from error
 
 from .algorithms import algorithm_of, find_algorithm, missing_contrib, name_of
+from .finite import require_finite
 from .normalization import Normalization
 
 NOTES = "coopenv.json"  # member of the archive: what SB3 does not write; others may add keys
@@ -62,13 +64,26 @@ def save_model(
                 archive.writestr(_STATISTICS, normalization.to_bytes())
 
 
-def load_model(path: str | os.PathLike, algorithm: type[BaseAlgorithm] | None = None) -> Saved:
+def load_model(
+    path: str | os.PathLike,
+    algorithm: type[BaseAlgorithm] | None = None,
+    *,
+    venv: VecEnv | None = None,
+) -> Saved:
     """Read a file that `save_model` or SB3 itself wrote. Only open files you trust.
+
+    Parameters
+    ----------
+    algorithm
+        That trained it; ``None``: the one that the file says.
+    venv
+        In which the model is to learn on.
 
     Raises
     ------
     InvalidInput
-        If it is no policy, is broken, or needs a class that cannot be found.
+        If it is no policy, is broken, has weights that are not finite, or needs a class that cannot
+        be found.
     MissingExtra
         If sb3-contrib trained it and is not installed.
     """
@@ -83,7 +98,7 @@ def load_model(path: str | os.PathLike, algorithm: type[BaseAlgorithm] | None = 
                 if notes.get(_NORMALIZED)
                 else None
             )
-            model = kind.load(os.fspath(file), device="cpu")
+            model = kind.load(os.fspath(file), env=venv, device="cpu")
         except (InvalidInput, MissingExtra):
             raise
         except ImportError as error:
@@ -96,9 +111,10 @@ def load_model(path: str | os.PathLike, algorithm: type[BaseAlgorithm] | None = 
         except Exception as error:  # what is unpickled and filled in can raise anything
             raise InvalidInput(
                 f"policy must be a whole file of the algorithm that wrote it, got {str(file)!r} "
-                f"({type(error).__name__}: {_first_line(error)}); copy it again, or name another "
-                "algorithm="
+                f"({type(error).__name__}: {_first_line(error)}); copy it again"
+                f"{_other_algorithm(venv)}"
             ) from error
+    require_finite(model, f"of {str(file)!r}")
     return Saved(
         model=model,
         notes={key: note for key, note in notes.items() if key not in (_ALGORITHM, _NORMALIZED)},
@@ -106,6 +122,11 @@ def load_model(path: str | os.PathLike, algorithm: type[BaseAlgorithm] | None = 
         is_normalized=notes.get(_NORMALIZED),
         traces="_last_original_obs" in entries,
     )
+
+
+def _other_algorithm(venv: VecEnv | None) -> str:
+    """A second remedy for who reads a policy in Python; a run knows its algorithm."""
+    return ", or name another algorithm=" if venv is None else ""
 
 
 def read_notes(path: str | os.PathLike) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from coopenv.transport import Transport
 
 from ..noise import EpisodeKeys
 from .files import Saved, load_model, save_model
+from .finite import DIVERGED, has_diverged
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
 from .sampling import can_be_sampled, sampled
 from .spaces import spaces_of
@@ -176,7 +177,8 @@ class SB3Policy:
         Raises
         ------
         InvalidInput
-            If it was trained on other observations, other actions or a team of another size.
+            If it was trained on other observations, other actions or a team of another size, or its
+            training diverged.
         """
         num_worlds, num_agents, size = obs.shape
         width = transition.action.shape[-1]
@@ -193,10 +195,19 @@ class SB3Policy:
         def predict() -> tuple[npt.NDArray, Any]:
             return self.model.predict(rows, self._memory, starts, self.deterministic)
 
-        if self.deterministic:
-            action, self._memory = predict()
-        else:
-            action, self._memory = sampled(self.model, predict, self._keys, transition, len(rows))
+        try:
+            if self.deterministic:
+                action, self._memory = predict()
+            else:
+                action, self._memory = sampled(
+                    self.model, predict, self._keys, transition, len(rows)
+                )
+        except ValueError as error:
+            if not has_diverged(self.model, error):
+                raise
+            raise InvalidInput(DIVERGED) from error
+        if not np.isfinite(action).all():
+            raise InvalidInput(DIVERGED)
         self._fresh = np.zeros(num_worlds, dtype=np.bool_)
         return action.reshape(num_worlds, num_agents, width).astype(np.float64)
 

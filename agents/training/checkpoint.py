@@ -7,11 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
 from coopenv.files import written
 
 from ..curves import save_rows
-from ..learned import NOTES
+from ..learned import NOTES, read_notes
+from ..learned.finite import require_finite
 from ..provenance import Provenance
 from .progress import Progress
 
@@ -22,6 +23,7 @@ except ImportError as error:
 
 POLICY, CHECKPOINT = "policy.zip", "checkpoint.zip"  # in a run's folder: finished, under way
 PROGRESS = "coopenv_progress.json"  # in the file, beside the entries of Stable-Baselines3
+REMEDY = "choose another out, or start over with fresh=True (--fresh)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,22 +44,26 @@ class Checkpoint:
         Raises
         ------
         InvalidInput
-            If the file is torn, or not of a run.
+            If the file is torn or damaged, or not of a run.
         """
         try:
+            notes = read_notes(path)
             with zipfile.ZipFile(path) as archive:
-                notes, progress = (json.loads(archive.read(name)) for name in (NOTES, PROGRESS))
+                progress = Progress.from_dict(json.loads(archive.read(PROGRESS)))
             provenance = Provenance.from_notes(notes)
             if provenance is None:
                 raise ValueError(f"{NOTES} does not say where it comes from")
-            return cls(path=path, provenance=provenance, progress=Progress(**progress))
-        except InvalidInput:
-            raise
-        except (zipfile.BadZipFile, KeyError, TypeError, ValueError) as error:
+            provenance.identity()  # raises if its settings are none
+        except CoopenvError as error:
+            raise InvalidInput(
+                f"out must hold whole files of a run, got {path}: {error}; {REMEDY}"
+            ) from error
+        except (KeyError, TypeError, ValueError) as error:
             raise InvalidInput(
                 f"out must hold no file of another kind of that name, got {path}, which does not "
-                "say what run it is of; choose another out, or start over with fresh=True (--fresh)"
+                f"say what run it is of; {REMEDY}"
             ) from error
+        return cls(path=path, provenance=provenance, progress=progress)
 
     def check(self, provenance: Provenance) -> None:
         """Raise `InvalidInput` unless it is of the run that ``provenance`` begins."""
@@ -65,7 +71,7 @@ class Checkpoint:
         if names:
             raise InvalidInput(
                 f"out must hold no other run, got {self.path}, which differs in "
-                f"{', '.join(names)}; choose another out, or start over with fresh=True (--fresh)"
+                f"{', '.join(names)}; {REMEDY}"
             )
 
 
@@ -107,7 +113,14 @@ class Keeper:
         self._kept: tuple[dict[str, Any], dict[str, Any], Progress] | None = None
 
     def begin_rollout(self, model: BaseAlgorithm) -> None:
-        """Keep the model; write it if it is time for a checkpoint."""
+        """Keep the model; write it if it is time for a checkpoint.
+
+        Raises
+        ------
+        InvalidInput
+            If its parameters are not finite; what was kept stays.
+        """
+        require_finite(model, "of the policy")
         counters = ("num_timesteps", "ep_info_buffer", "ep_success_buffer")
         self._kept = (
             deepcopy(dict(model.get_parameters())),

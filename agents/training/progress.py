@@ -8,7 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from coopenv.errors import MissingExtra
+from coopenv.errors import InvalidInput, MissingExtra
 
 from ..curves import Row
 
@@ -34,6 +34,29 @@ class Progress:
     window: list[list[Episode]] = field(default_factory=list)
     """Episodes that ended in each of the last rollouts, oldest first."""
 
+    @classmethod
+    def from_dict(cls, given: Any) -> Self:
+        """What JSON brings back of one.
+
+        Raises
+        ------
+        InvalidInput
+            If an entry is missing, unknown or of another kind.
+        """
+        kinds = {"steps": _is_count, "rows": _are_rows, "window": _is_window}
+        if not isinstance(given, dict) or set(given) != set(kinds):
+            raise InvalidInput(
+                f"progress must have {', '.join(kinds)}, got {given!r:.80}; the file is damaged: "
+                "copy it again"
+            )
+        for name, is_right in kinds.items():
+            if not is_right(given[name]):
+                raise InvalidInput(
+                    f"progress.{name} must be what a run wrote there, got {given[name]!r:.80}; "
+                    "the file is damaged: copy it again"
+                )
+        return cls(**given)
+
     def copy(self) -> Self:
         """One that goes on by itself."""
         return replace(self, rows=[*self.rows], window=[*self.window])
@@ -41,6 +64,22 @@ class Progress:
     def add(self, ended: list[Episode], *, rollouts: int) -> None:
         """Let a rollout's episodes into the window, which holds that many rollouts."""
         self.window = [*self.window, ended][-rollouts:]
+
+
+def _is_count(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
+def _are_rows(value: Any) -> bool:
+    """Whether it is a list of numbers by name."""
+    return isinstance(value, list) and all(
+        isinstance(row, dict) and all(isinstance(number, int | float) for number in row.values())
+        for row in value
+    )
+
+
+def _is_window(value: Any) -> bool:
+    return isinstance(value, list) and all(map(_are_rows, value))
 
 
 class Watch(BaseCallback):
