@@ -199,13 +199,14 @@ def test_forces_of_other_times_are_not_taken_for_those_of_reaction(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_reactions_on_wheels_are_named_by_torque_and_power(seed, tmp_path):
-    from coopenv import walker_turn_v0
+def test_reactions_beside_walls_and_wheels_are_named(seed, tmp_path):
+    from coopenv import beam_doorway_v0, walker_turn_v0
 
-    columns, grips = motions.carried(seed, steps=300, **walker_turn_v0.DEFAULTS)
-    against = scaled(columns, -1.0, "f1", "f2", "t1", "t2")
-    said = only_warning(against, tmp_path, grips=grips, twist_frame="world")
-    assert "forces and torques may be those on the sensors" in said
+    for environment in (beam_doorway_v0, walker_turn_v0):
+        columns, grips = motions.carried(seed, steps=300, **environment.DEFAULTS)
+        against = scaled(columns, -1.0, "f1", "f2", "t1", "t2")
+        said = only_warning(against, tmp_path, grips=grips, twist_frame="world")
+        assert "forces and torques may be those on the sensors" in said
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -48,7 +48,7 @@ def wrench_mistakes(candidates: list[Laws], layout: Layout, twist: str) -> Itera
     laws = candidates[0]
     if not laws.enough("force") and not laws.enough("torque"):  # no orientation
         if _much_better(laws.power(-1.0), laws.power(1.0)):
-            yield f"the power goes against the change of kinetic energy: {_REACTION}"
+            yield _AGAINST
         return
     velocities = laws.velocities(twist) or [""]
     readings = [
@@ -80,6 +80,7 @@ _REACTION = (
     "forces and torques may be those on the sensors instead of on the object; turn their signs, "
     "--map f1x=-f1x …"
 )
+_AGAINST = f"the power goes against the change of kinetic energy: {_REACTION}"
 
 
 def _force_mistakes(chosen: _Reading, said: _Reading, layout: Layout, twist: str) -> Iterator[str]:
@@ -125,7 +126,7 @@ def _torque_mistakes(
         unit, options = _angle_said(other, layout)
         text = f"if theta is in {unit}; say {options}"
         tried.append((other.torque(frame, force=sign, torque=sign), text))
-    if not decided and (not laws.enough("force") or laws.power(-sign) < BAD):
+    if not decided and (not laws.enough("force") or laws.power(-sign) < CLEAR):
         text = f"if all signs are turned; {_REACTION}"
         tried.append((laws.torque(frame, force=-sign, torque=-sign), text))
     if not decided:
@@ -141,7 +142,11 @@ def nothing_explains(laws: Laws, fit: Fit) -> Iterator[str]:
 
     Walls and wheels do no work that is not recorded, so that the power is still explained there.
     """
-    if laws.speeding() > MOVES and fit.force < LITTLE and fit.power < 1 - BAD:
+    if laws.speeding() < MOVES or not (fit.force < LITTLE and fit.power < 1 - BAD):
+        return
+    if laws.power(-1.0) < CLEAR:
+        yield _AGAINST
+    else:
         yield (
             f"the motion explains {100 * fit.force:.0f} % of the resultant force and "
             f"{100 * fit.power:.0f} % of the power, and no other frame, unit or sign that was "
