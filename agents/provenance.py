@@ -14,7 +14,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Self
 
+import gymnasium
+
 from coopenv.config import TransportConfig
+from coopenv.envs.registry import PREFIX, find_config
 from coopenv.errors import CoopenvError, InvalidInput
 
 from .differences import differences
@@ -31,7 +34,8 @@ class Provenance:
     environment: dict[str, Any]
     """All of the environment: `TransportConfig.to_json`."""
     training: dict[str, Any]
-    """Settings of the run: `TrainConfig.to_dict`; empty where no run of ours trained the policy."""
+    """Settings of the run: `TrainConfig.to_dict`. Of a policy that a program of the user's own
+    trained, ``control`` and the id that its environment is nearest to; the rest is not known."""
     versions: dict[str, str]
     """Of Python and of what computed the run."""
     command: list[str]
@@ -46,17 +50,24 @@ class Provenance:
         InvalidInput
             If something in the environment cannot be written; the message says what to do.
         """
-        try:
-            text = environment.to_json()
-        except CoopenvError as error:
-            raise InvalidInput(
-                f"environment must be one that the run's folder can hold: {error}"
-            ) from error
+        return cls._now(_written(environment), training.to_dict())
+
+    @classmethod
+    def of_environment(cls, environment: TransportConfig, control: str) -> Self:
+        """That of a policy that a program of the user's own trains.
+
+        Raises
+        ------
+        InvalidInput
+            If something in the environment cannot be written; the message says what to do.
+        """
+        values = _written(environment)
+        return cls._now(values, {"control": control, "environment": {"env": _nearest(values)}})
+
+    @classmethod
+    def _now(cls, environment: dict[str, Any], training: dict[str, Any]) -> Self:
         return cls(
-            environment=json.loads(text),
-            training=training.to_dict(),
-            versions=versions(),
-            command=_command(),
+            environment=environment, training=training, versions=versions(), command=_command()
         )
 
     @classmethod
@@ -125,7 +136,7 @@ class Provenance:
 
     @property
     def env(self) -> str:
-        """The Gymnasium id that was named; the default where no run of ours trained the policy."""
+        """The Gymnasium id that was named, or the nearest; the default where none is known."""
         return self.training["environment"]["env"] if self.training else EnvironmentChoice().env
 
     def differences(self, other: Self) -> list[str]:
@@ -159,6 +170,26 @@ def _is_right(name: str, value: Any) -> bool:
         environment = value.get("environment")
         return isinstance(environment, Mapping) and isinstance(environment.get("env"), str)
     return True
+
+
+def _written(environment: TransportConfig) -> dict[str, Any]:
+    """All of an environment as plain values."""
+    try:
+        return json.loads(environment.to_json())
+    except CoopenvError as error:
+        raise InvalidInput(
+            f"environment must be one that the policy's file can hold: {error}"
+        ) from error
+
+
+def _nearest(environment: Mapping[str, Any]) -> str:
+    """The id of this package with the same kind of task and the fewest other values."""
+
+    def distance(env: str) -> tuple[bool, int]:
+        names = differences(json.loads(find_config(env, {}).to_json()), environment)
+        return "task" in names, len(names)
+
+    return min((env for env in gymnasium.registry if env.startswith(PREFIX)), key=distance)
 
 
 def versions() -> dict[str, str]:

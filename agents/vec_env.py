@@ -25,6 +25,7 @@ from coopenv.transport import Transport
 
 from . import partners
 from .episodes import Episodes, EpisodeSums
+from .provenance import Provenance
 
 try:
     from stable_baselines3.common.monitor import Monitor
@@ -122,6 +123,16 @@ class TransportVecEnv(VecEnv):
             obs, _ = self.transport.reset(mask=done)
         rewards = reward.reshape(-1) if self.control == "shared" else reward.mean(axis=1)
         return self._by_row(obs), rewards.astype(np.float32), np.repeat(done, self._rows), infos
+
+    def to_notes(self) -> dict[str, Any]:
+        """What the file of a policy that learns in it is to say (`coopenv.agents.provenance`).
+
+        Raises
+        ------
+        InvalidInput
+            If something in the environment cannot be written; the message says what to do.
+        """
+        return Provenance.of_environment(self.transport.config, self.control).to_notes()
 
     def close(self) -> None:
         """Close what draws."""

@@ -19,6 +19,7 @@ from ..noise import EpisodeKeys
 from .files import Saved, load_model, save_model
 from .finite import DIVERGED, has_diverged
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
+from .record import recorded
 from .sampling import can_be_sampled, sampled
 from .spaces import spaces_of
 
@@ -118,9 +119,12 @@ class SB3Policy:
     def save(self, path: str | os.PathLike) -> None:
         """Write model, normalisation and notes to one file, whole or not at all.
 
-        ``PPO.load`` and its like read it as well, without the normalisation.
+        Notes that do not say where the policy comes from get the environment of the model, if that
+        is one of `coopenv.agents.sb3`; one that cannot be written is warned of and left out.
+        ``PPO.load`` and its like read the file as well, without the normalisation.
         """
-        save_model(self.model, path, notes=self.notes, normalization=self.normalization)
+        notes = self.notes if "provenance" in self.notes else {**self.notes, **recorded(self.model)}
+        save_model(self.model, path, notes=notes, normalization=self.normalization)
 
     @property
     def normalization(self) -> Normalization | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.config import TransportConfig
-from coopenv.errors import CoopenvError
+from coopenv.errors import CoopenvError, InvalidInput
 
 RECORDED = "recorded"  # instead of an id: the environment that a policy was trained in
 
@@ -72,7 +72,10 @@ def environments_of(
 
 
 def _recorded(path: Path, trust: tuple[str, ...]) -> tuple[Environment, list[str]]:
-    """What a policy's file records; without a record, what the settings beside it name."""
+    """What a policy's file records; without a record, what the settings beside it name.
+
+    Raises `InvalidInput` if nothing says it.
+    """
     from coopenv.agents.provenance import Provenance
 
     provenance = Provenance.read(path)
@@ -81,10 +84,15 @@ def _recorded(path: Path, trust: tuple[str, ...]) -> tuple[Environment, list[str
         notes = [f"{path} was trained with {', '.join(others)}"] if others else []
         return Environment(provenance.env, provenance.config(trust=trust)), notes
     beside = path.with_name("config.json")
-    choice = TrainConfig.load(beside).environment if beside.is_file() else EnvironmentChoice()
-    source = f"which {beside} names" if beside.is_file() else "the default"
+    if not beside.is_file():
+        raise InvalidInput(
+            f"policy must say which environment it was trained in, got {path}, which does not; "
+            "give --env and the options that make it that one, or save it with SB3Policy.save "
+            "while its model has its environment"
+        )
+    choice = TrainConfig.load(beside).environment
     note = (
         f"{path} does not say which environment it was trained in; it is evaluated in "
-        f"{choice.env}, {source}; --env and the other options choose another"
+        f"{choice.env}, which {beside} names; --env and the other options choose another"
     )
     return Environment(choice.env, choice.config()), [note]

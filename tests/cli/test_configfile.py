@@ -195,7 +195,8 @@ def test_the_file_on_the_page_of_commands_is_one(tmp_path):
 @pytest.mark.parametrize("value", ["true", "false", "'no'", "1"])
 def test_fresh_in_a_file_is_refused_since_it_would_remove_a_run_each_time(value, tmp_path, capsys):
     path = tmp_path / "run.toml"
-    path.write_text(f"fresh = {value}")
+    tiny = "steps = 64\nnum-worlds = 4\nrollout = 8\nepisodes = 1\ngif = false\n"
+    path.write_text(f"{tiny}fresh = {value}")
     kept = tmp_path / "out" / "policy.zip"
     kept.parent.mkdir()
     kept.write_bytes(b"a finished run")
@@ -226,7 +227,8 @@ def test_fresh_of_a_run_does_not_come_back_with_its_config_json(tmp_path):
 
 def test_a_config_json_that_does_not_name_its_environment_is_refused(tmp_path, capsys):
     path = tmp_path / "config.json"
-    recorded(path, TransportConfig(horizon=40))
+    tiny = {"steps": 64, "num_worlds": 4, "rollout": 8}
+    recorded(path, TransportConfig(horizon=40), **tiny)
     for line in (["train", f"--out={tmp_path / 'new'}"], ["evaluate", "random", "--episodes=1"]):
         assert cli.main([*line, "--config", str(path)]) == 1
         said = capsys.readouterr().err

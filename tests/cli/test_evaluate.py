@@ -3,15 +3,23 @@
 import csv
 import json
 import zipfile
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
+from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+
 from coopenv import Body, TransportConfig, cli
-from coopenv.agents.settings import TrainConfig
+from coopenv.agents.provenance import Provenance
+from coopenv.agents.sb3 import SB3Policy, make_vec_env
+from coopenv.agents.settings import TrainConfig, find_config
 from coopenv.agents.train import train
 from coopenv.cli import environments
 from coopenv.rewards import RewardSum, TimeCost
@@ -87,12 +95,20 @@ def bare(path: Path, to: Path) -> Path:
     return to
 
 
-def test_an_older_file_is_evaluated_and_said_to_name_no_environment(files, tmp_path, capsys):
+def test_a_file_that_names_no_environment_is_evaluated_only_in_one_that_is_named(
+    files, tmp_path, capsys
+):
     old = bare(files[0], tmp_path / "old.zip")
-    evaluated("evaluate", old, "--horizon=4", out=tmp_path / "table.csv")
-    captured = capsys.readouterr()
-    assert "old.zip does not say which environment it was trained in" in captured.err
-    assert "coopenv/BeamTransport-v0 with horizon 4" in captured.out
+    for options in ([], ["--horizon=4"]):
+        assert cli.main(["evaluate", str(old), "--episodes=2", *options]) == 1
+        assert "old.zip, which does not; give --env" in capsys.readouterr().err
+    env = "--env=coopenv/BeamTransport-v0"
+    evaluated("evaluate", old, env, "--horizon=4", out=tmp_path / "table.csv")
+    assert "coopenv/BeamTransport-v0 with horizon 4" in capsys.readouterr().out
+
+
+def test_an_older_file_is_evaluated_in_what_the_settings_beside_it_name(files, tmp_path, capsys):
+    old = bare(files[0], tmp_path / "old.zip")
     settings = json.loads(files[0].with_name("config.json").read_text())
     del settings["provenance"]
     settings["environment"]["horizon"] = 6
@@ -142,3 +158,58 @@ def test_a_title_imports_no_module_that_is_not_trusted(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     place = environments.Environment("my_envs:Mine-v0", TransportConfig())
     assert "not registered" in place.title()
+
+
+@pytest.mark.parametrize("control", ["joint", "shared", "partner"])
+def test_a_policy_that_a_program_of_ones_own_trained_runs_in_its_environment(
+    control, tmp_path, capsys
+):
+    path = learned(make_vec_env(TransportConfig(horizon=3), 2, control=control), tmp_path)
+    evaluated("evaluate", path, out=tmp_path / "table.csv")
+    captured = capsys.readouterr()
+    partner = ", partner impedance" if control == "partner" else ""
+    assert f"coopenv/BeamTransport-v0 with horizon 3{partner}, 2 episodes" in captured.out
+    assert not captured.err
+
+
+def learned(venv: VecEnv, folder: Path) -> Path:
+    """A policy of Stable-Baselines3 in a file of ours."""
+    model: Any = PPO("MlpPolicy", venv, n_steps=4, batch_size=4, n_epochs=1, device="cpu")
+    SB3Policy(model.learn(8)).save(folder / "mine.zip")
+    return folder / "mine.zip"
+
+
+def test_its_record_names_the_nearest_id_and_survives_wrappers_and_another_save(tmp_path):
+    walker = find_config("coopenv/WalkerTurn-v0", {"horizon": 3})
+    path = learned(VecNormalize(make_vec_env(walker, 2)), tmp_path)
+    SB3Policy.load(path).save(tmp_path / "again.zip")
+    for file in (path, tmp_path / "again.zip"):
+        found = Provenance.read(file)
+        assert found is not None
+        assert (found.env, found.config()) == ("coopenv/WalkerTurn-v0", walker)
+        assert found.training["control"] == "joint"
+
+
+def test_an_environment_that_cannot_be_written_is_warned_of_and_costs_no_policy(tmp_path, capsys):
+    @dataclass(frozen=True)
+    class Local:
+        weight: float = 1.0
+
+        def __call__(self, transition: Any) -> np.ndarray:
+            return np.zeros(transition.action.shape[:2])
+
+    reward = RewardSum({"mine": Local()})
+    with pytest.warns(UserWarning, match=r"reward\.mine.*coopenv evaluate needs --env"):
+        path = learned(make_vec_env(TransportConfig(reward=reward), 2), tmp_path)
+    assert SB3Policy.load(path).notes == {}
+    assert cli.main(["evaluate", str(path), "--episodes=2"]) == 1
+    assert "give --env" in capsys.readouterr().err
+
+
+def test_the_table_of_a_training_says_what_is_not_the_default_as_well(tmp_path, capsys):
+    tiny = ("--steps=64", "--num-worlds=4", "--rollout=8", "--hidden=4", "--episodes=1", "--no-gif")
+    changed = ("--horizon=4", "--partner=stubborn", "--body", "mass=5")
+    assert cli.main(["train", *tiny, *changed, f"--out={tmp_path}"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "coopenv/BeamTransport-v0 with body.mass 5" in said
+    assert "horizon 4, partner stubborn, 1 episodes" in said

@@ -83,12 +83,15 @@ def test_a_policy_class_of_ones_own_shows_whose_it_is(tmp_path):
 def test_what_others_note_in_the_file_stays_there(file, tmp_path):
     policy = SB3Policy(trained("PPO", small()), notes={"environment": {"horizon": 6}})
     policy.save(file)
-    assert read_notes(file) == {
+    notes = read_notes(file)
+    assert notes.pop("provenance")["environment"]["horizon"] == 6
+    assert notes == {
         "environment": {"horizon": 6},
         "algorithm": "stable_baselines3.ppo.ppo:PPO",
         "normalized": False,
     }
-    assert SB3Policy.load(file).notes == policy.notes
+    loaded = SB3Policy.load(file).notes
+    assert {**policy.notes, "provenance": loaded["provenance"]} == loaded
     SB3Policy.load(file).save(tmp_path / "again.zip")
     assert read_notes(tmp_path / "again.zip") == read_notes(file)
 
