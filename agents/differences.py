@@ -73,9 +73,13 @@ def _known_name(field: str, config: TransportConfig) -> str | None:
 
 
 def _short(value: Any) -> str:
+    """A value on one line with all of its numbers; what is not set is left out."""
     if isinstance(value, Mapping):
         kind = str(value.get("kind", "")).rpartition(".")[2]
-        return str(value.get("name", kind)) or "other"
+        name = str(value.get("name", kind))
+        rest = {key: entry for key, entry in value.items() if key not in ("kind", "name")}
+        said = [f"{key}={_short(entry)}" for key, entry in rest.items() if entry not in (None, [])]
+        return f"{name}({', '.join(said)})" if said else name or "other"
     if isinstance(value, list):
-        return "other" if any(isinstance(entry, Mapping | list) for entry in value) else str(value)
+        return f"[{', '.join(map(_short, value))}]"
     return "none" if value is None else str(value)

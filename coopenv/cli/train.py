@@ -11,6 +11,7 @@ from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import TrainConfig
 from coopenv.arrays import whole
 from coopenv.cli import configfile
+from coopenv.cli.environments import Environment
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
 from coopenv.files import require_folder
@@ -85,7 +86,8 @@ class Train:
             seen = compare(policies, config, episodes=self.episodes)
         for name in ("table.json", "table.csv"):
             save(seen, out / name)
-        console.print(table(seen, f"{self.training.environment.env}, {self.episodes} episodes"))
+        title = Environment(self.training.environment.env, config).title()
+        console.print(table(seen, f"{title}, {self.episodes} episodes"))
         pictures = ["curves.png"]
         if self.gif:
             pictures += _draw_episode(trained, config, out / "episode.gif", console)

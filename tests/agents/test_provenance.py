@@ -204,6 +204,26 @@ def test_an_environment_is_described_by_what_is_not_its_ids_default():
     assert described(weighted, default) == ["reward.time.weight 1.0"]
 
 
+def test_a_description_holds_the_numbers_of_what_is_added():
+    default = TransportConfig()
+    for weight in (0.2, 0.7):
+        terms = {**default.terms, "relative_cost": rewards.RelativeCost(weight=weight)}
+        weighted = replace(default, reward=rewards.RewardSum(terms))
+        assert described(weighted, default) == [
+            f"reward.relative_cost RelativeCost(weight={weight})"
+        ]
+    drawn = replace(default, randomise=coopenv.Ranges(mass=(4.0, 9.0)))
+    assert described(drawn, default) == ["randomise Ranges(mass=[4.0, 9.0])"]
+    walled = replace(
+        default, scene=Scene(obstacles=(coopenv.Box(center=(0.0, 1.0), size=(0.1, 0.2)),))
+    )
+    (said,) = described(walled, default)
+    assert said == "scene.obstacles [Box(center=[0.0, 1.0], size=[0.1, 0.2], angle=0.0)]"
+    grips = ((-0.8, 0.0), (0.9, 0.0), (0.0, 0.0))
+    gripped = described(replace(default, body=Body(grips=grips)), default)
+    assert "body.grips [[-0.8, 0.0], [0.9, 0.0], [0.0, 0.0]]" in gripped
+
+
 def test_a_choice_over_a_configuration_changes_only_what_it_names():
     changed = EnvironmentChoice(env="coopenv/BeamDoorway-v0", horizon=9).over(SHORT)
     assert changed == replace(SHORT, horizon=9)
