@@ -6,6 +6,7 @@ import numpy as np
 
 from coopenv.arrays import whole
 from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 
 from .episodes import Episodes, EpisodeSums
@@ -103,6 +104,11 @@ def run_episodes(
     Every world of a batch runs one episode to its end. Counting the first ones that end, as an
     autoreset loop does, would favour short episodes.
     """
+    if not isinstance(config, TransportConfig):
+        raise InvalidInput(
+            f"config must be a TransportConfig, got {config!r:.80}; that of an id is "
+            "coopenv.agents.settings.EnvironmentChoice(env=id).config()"
+        )
     episodes = whole(episodes, "episodes", at_least=1)
     seeds = evaluation_seeds(seed, episodes)
     core = Transport(num_worlds=min(num_worlds, episodes), config=config)

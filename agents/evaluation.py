@@ -114,11 +114,12 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
     """The evaluations as a rich table, one row a policy."""
     try:
         from rich.box import SIMPLE_HEAD
+        from rich.markup import escape
         from rich.table import Table
     except ImportError as error:
         raise MissingExtra("the table", "train") from error
     made = Table(
-        title=title,
+        title=title and escape(title),  # lists in brackets are no markup
         title_justify="left",
         box=SIMPLE_HEAD,
         show_edge=False,

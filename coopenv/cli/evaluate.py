@@ -86,6 +86,12 @@ class Evaluate:
             raise InvalidInput(
                 "policies must name at least one, got none; for example: coopenv evaluate scripted"
             )
+        for name in self.policies:
+            if self.policies.count(name) > 1:
+                raise InvalidInput(
+                    f"policies must be named once each, got {name!r} again; its episodes would be "
+                    "the same, so leave it out"
+                )
         evaluation_seeds(self.seed, whole(self.episodes, "episodes", at_least=1))
         whole(self.num_worlds, "num_worlds", at_least=1)
         if self.out is not None:

@@ -125,6 +125,8 @@ def _training_progress(steps: int, console: "Console") -> "Iterator[Callable[[Ro
                 bar.tasks[task].fields[name] = f"{row[name]:.2f}"
 
         yield report
+        if not bar.tasks[task].completed:  # it was finished before
+            bar.update(task, visible=False)
 
 
 def _draw_episode(

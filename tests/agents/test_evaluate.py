@@ -260,3 +260,17 @@ def test_the_default_environment_is_the_default():
     one = evaluate(ImpedanceController(TransportConfig()), episodes=3)
     other = evaluate(ImpedanceController(TransportConfig()), TransportConfig(), episodes=3)
     assert one == other
+
+
+@pytest.mark.parametrize("given", ["coopenv/BeamTransport-v0", {"horizon": 3}, 3])
+def test_an_environment_that_is_no_configuration_is_refused(given):
+    with pytest.raises(InvalidInput, match=r"config must be a TransportConfig.*EnvironmentChoice"):
+        evaluate(Leader(), given, episodes=2)
+
+
+def test_a_title_keeps_what_is_in_brackets():
+    console = pytest.importorskip("rich.console").Console(
+        width=120, record=True, file=io.StringIO()
+    )
+    console.print(table([evaluate(Leader(), SHORT, episodes=2)], "terms [mine(a=[1, 2])]"))
+    assert "terms [mine(a=[1, 2])]" in console.export_text()

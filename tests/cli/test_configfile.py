@@ -229,7 +229,10 @@ def test_a_config_json_that_does_not_name_its_environment_is_refused(tmp_path, c
     path = tmp_path / "config.json"
     tiny = {"steps": 64, "num_worlds": 4, "rollout": 8}
     recorded(path, TransportConfig(horizon=40), **tiny)
-    for line in (["train", f"--out={tmp_path / 'new'}"], ["evaluate", "random", "--episodes=1"]):
+    for line in (
+        ["train", "--no-gif", "--episodes=1", f"--out={tmp_path / 'new'}"],
+        ["evaluate", "random", "--episodes=1"],
+    ):
         assert cli.main([*line, "--config", str(path)]) == 1
         said = capsys.readouterr().err
         assert "differ from its record in horizon" in said

@@ -213,3 +213,11 @@ def test_the_table_of_a_training_says_what_is_not_the_default_as_well(tmp_path, 
     said = " ".join(capsys.readouterr().out.split())
     assert "coopenv/BeamTransport-v0 with body.mass 5" in said
     assert "horizon 4, partner stubborn, 1 episodes" in said
+    assert "64 of 64 steps" in said
+    assert cli.main(["train", *tiny, *changed, f"--out={tmp_path}"]) == 0
+    assert "of 64 steps" not in capsys.readouterr().out  # it is finished: no bar stays at 0
+
+
+def test_a_policy_that_is_named_twice_is_refused(capsys):
+    assert cli.main(["evaluate", "scripted", "random", "scripted", "--episodes=1"]) == 1
+    assert "policies must be named once each, got 'scripted' again" in capsys.readouterr().err
