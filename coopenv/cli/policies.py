@@ -25,9 +25,13 @@ def find_policy(name: str, config: TransportConfig) -> "Policy":
 
     with reading(name):
         if not Path(name).is_file():
+            inside = Path(name) / "policy.zip"
+            remedy = (
+                f"give {str(inside)!r}" if inside.is_file() else "coopenv train writes such a file"
+            )
             raise InvalidInput(
                 f"policy must be random, scripted or the file of a trained policy, got {name!r}; "
-                "coopenv train writes such a file"
+                f"{remedy}"
             )
         return SB3Policy.load(name)
 

@@ -53,7 +53,7 @@ def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
         raise InvalidInput(
             f"{part} must be of coopenv unless you trust the text, got {name!r}, which loading "
             "would import and run; if you know where the text is from, pass "
-            f"trust=({module!r},) to TransportConfig.from_json"
+            f"trust=({module!r},) to TransportConfig.from_json (--trust {module})"
         )
     path = _source(module)
     if path is None:
@@ -66,7 +66,7 @@ def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
         raise InvalidInput(
             f"{part} must be the code that was written, but {path} has changed since: sha256 "
             f"{digest!r} then, {now!r} now; restore it, or put the new hash into the text if the "
-            "change makes no difference"
+            "change makes no difference (for a policy's file, name the environment with --env)"
         )
     found = _inside(_imported(module, part), inside)
     if found is None:

@@ -148,7 +148,7 @@ def test_code_of_ones_own_is_imported_only_if_trusted(tmp_path, monkeypatch, cap
     reward = RewardSum({"mine": my_rewards.Mine(weight=3.0)})
     path = trained(tmp_path / "own", TransportConfig(horizon=3, reward=reward))
     assert cli.main(["evaluate", str(path), "--episodes=2"]) == 1
-    assert "my_rewards" in capsys.readouterr().err
+    assert "--trust my_rewards" in capsys.readouterr().err
     rows = evaluated("evaluate", path, "--trust=my_rewards", out=tmp_path / "table.csv")
     assert float(rows[0]["reward"]) == pytest.approx(9.0)
 
@@ -221,3 +221,8 @@ def test_the_table_of_a_training_says_what_is_not_the_default_as_well(tmp_path, 
 def test_a_policy_that_is_named_twice_is_refused(capsys):
     assert cli.main(["evaluate", "scripted", "random", "scripted", "--episodes=1"]) == 1
     assert "policies must be named once each, got 'scripted' again" in capsys.readouterr().err
+
+
+def test_a_folder_of_a_run_is_told_which_file_to_give(files, capsys):
+    assert cli.main(["evaluate", str(files[0].parent)]) == 1
+    assert f"give {str(files[0])!r}" in capsys.readouterr().err
