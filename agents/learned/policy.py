@@ -1,7 +1,6 @@
 """A trained Stable-Baselines3 model that acts in many worlds as it acted in its training."""
 
 import os
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -22,6 +21,7 @@ from .normalization import Normalization, Normalize, find_normalization, trained
 from .record import recorded
 from .sampling import can_be_sampled, sampled
 from .spaces import spaces_of
+from .trained_on import check_trained_on
 
 
 class SB3Policy:
@@ -93,7 +93,8 @@ class SB3Policy:
             sb3-contrib's.
         deterministic, normalize, seed
             As of `SB3Policy`; ``None``: the statistics that `save` wrote. Files that SB3 wrote
-            hold none; on-policy algorithms show that there were some, off-policy ones rarely.
+            hold none; on-policy algorithms show whether there were some, off-policy ones rarely,
+            so that theirs are refused until it is given.
 
         Raises
         ------
@@ -164,7 +165,8 @@ class SB3Policy:
 
     def check_environment(self, core: Transport) -> None:
         """Raise `InvalidInput` if ``core`` is not what it was trained on, as far as that shows."""
-        self._spaces.check_environment(core)
+        agents = self._spaces.check_environment(core)
+        check_trained_on(self.notes, core, agents)
 
     def reset(self, mask: BoolArray) -> None:
         """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""
@@ -222,7 +224,7 @@ def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | boo
     Raises
     ------
     InvalidInput
-        If it needs some that it does not hold, or if statistics lie beside it that may be its own.
+        If it needs some that it does not hold, or does not say whether it does.
     """
     if saved.is_normalized is not None:
         return saved.normalization or False
@@ -230,16 +232,11 @@ def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | boo
     if needed is False:
         return False
     beside = sorted(Path(path).parent.glob("*vec*normalize*.pkl"))
-    if needed or beside:
-        hint = f", {str(beside[0])!r} for example," if beside else ""
-        raise InvalidInput(
-            f"normalize must be given for a policy that {'was' if needed else 'may have been'} "
-            f"trained behind a VecNormalize, got none for {os.fspath(path)!r}; give normalize= the "
-            f"file that VecNormalize.save wrote{hint} or False if it left observations as they are"
-        )
-    warnings.warn(
-        f"{os.fspath(path)} does not say whether a VecNormalize stood before its training; give "
-        "normalize= the file that VecNormalize.save wrote, or False",
-        stacklevel=3,
+    hint = f", {str(beside[0])!r} for example," if beside else ""
+    raise InvalidInput(
+        f"normalize must be given for a policy that {'was' if needed else 'may have been'} "
+        f"trained behind a VecNormalize, got none for {os.fspath(path)!r}; in Python, "
+        "SB3Policy.load(path, normalize=...) takes the file that VecNormalize.save "
+        f"wrote{hint} or False if it left observations as they are, and .save writes a policy "
+        "that the command line takes too"
     )
-    return False

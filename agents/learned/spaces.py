@@ -44,11 +44,16 @@ class Spaces:
             "action= and number of agents of its training"
         )
 
-    def check_environment(self, core: Transport) -> None:
-        """Raise `InvalidInput` if sizes or the bounds of what is seen show another environment.
+    def check_environment(self, core: Transport) -> int:
+        """How many agents share a row, if nothing shows that ``core`` is another environment.
 
         Blocks of the same size show by which of their features are bounded, if they do at all. A
         policy whose observation space has no bound says nothing.
+
+        Raises
+        ------
+        InvalidInput
+            If sizes or the bounds of what is seen show one.
         """
         seen = core.observation
         agents = self.check_sizes(len(core.learners), seen.size, core.action_size)
@@ -61,6 +66,7 @@ class Spaces:
                 f"where it knew another (feature {feature} of an agent); evaluate it with the "
                 "observe= of its training"
             )
+        return agents
 
 
 def spaces_of(model: BaseAlgorithm) -> Spaces:

@@ -121,11 +121,11 @@ def test_statistics_of_another_kind_are_refused(tmp_path):
         SB3Policy(model, normalize=True)
 
 
-def test_a_file_that_does_not_say_whether_it_was_normalised_warns(tmp_path):
+def test_a_file_that_does_not_say_whether_it_was_normalised_is_refused(tmp_path):
     trained("PPO", normalized()).save(tmp_path / "traceless.zip", exclude=["_last_original_obs"])
     trained("SAC", small()).save(tmp_path / "model.zip")
     for name in ("traceless", "model"):
-        with pytest.warns(UserWarning, match=f"{name}.zip does not say whether a VecNormalize"):
+        with pytest.raises(InvalidInput, match=rf"may have been.*{name}\.zip.*\.save writes"):
             SB3Policy.load(tmp_path / f"{name}.zip")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
