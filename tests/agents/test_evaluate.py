@@ -272,5 +272,5 @@ def test_a_title_keeps_what_is_in_brackets():
     console = pytest.importorskip("rich.console").Console(
         width=120, record=True, file=io.StringIO()
     )
-    console.print(table([evaluate(Leader(), SHORT, episodes=2)], "terms [mine(a=[1, 2])]"))
-    assert "terms [mine(a=[1, 2])]" in console.export_text()
+    console.print(table([evaluate(Leader(), SHORT, episodes=2)], "terms [mine(a=1)]"))
+    assert "terms [mine(a=1)]" in console.export_text()
