@@ -170,7 +170,7 @@ def test_a_policy_of_weights_that_are_nan_is_refused(finished, tmp_path, capsys)
     policy.model.save(path)
     with pytest.raises(InvalidInput, match=r"policy\.zip' must be finite.*lower learning_rate"):
         SB3Policy.load(path)
-    assert cli.main(["evaluate", str(path), "--episodes=1"]) == 1
+    assert cli.main(["evaluate", str(path), "--env=coopenv/BeamTransport-v0", "--episodes=1"]) == 1
     assert "diverged" in capsys.readouterr().err
     core = Transport(num_worlds=2, config=SHORT)
     obs, _ = core.reset(seed=0)
