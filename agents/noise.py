@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import IntArray, whole
-from coopenv.chance import Keys, fraction, mixed, normal
+from coopenv.chance import Keys, branches, fraction, mixed, normal
 from coopenv.compiled import compiled
 from coopenv.transition import Transition
 
@@ -41,7 +41,7 @@ class EpisodeKeys:
             numbers = np.arange(len(time), dtype=np.uint64)
             self._episodes = _branches(self._seed, _UNSEEDED, numbers)
         began = np.flatnonzero(time == 0)
-        self._episodes[began] = _children(self._episodes[began], _NEXT)
+        self._episodes[began] = branches(self._episodes[began], _NEXT)
         return began
 
     def of_episode(self) -> Keys:
@@ -80,14 +80,6 @@ def _branches(seed, branch, numbers):
     out = np.empty_like(numbers)
     for j in range(len(numbers)):
         out[j] = mixed(key, numbers[j])
-    return out
-
-
-@compiled
-def _children(keys, number):
-    out = np.empty_like(keys)
-    for j in range(len(keys)):
-        out[j] = mixed(keys[j], number)
     return out
 
 

@@ -62,7 +62,7 @@ class Chance:
     def branch(self, name: str) -> "Chance":
         """Numbers independent of those drawn here."""
         number = int.from_bytes(name.encode()[:8].ljust(8, b"\0"), "little")
-        return Chance(_branches(self.keys, np.uint64(number)))
+        return Chance(branches(self.keys, np.uint64(number)))
 
 
 @compiled
@@ -115,7 +115,8 @@ def polar_normal(key):
 
 
 @compiled
-def _branches(keys, number):
+def branches(keys, number):
+    """Branch ``number`` of every key, ``(key,)``."""
     out = np.empty_like(keys)
     for j in range(len(keys)):
         out[j] = mixed(keys[j], number)
