@@ -172,13 +172,8 @@ class TrainConfig:
         if not isinstance(self.fresh, bool):  # anything else is true or false by accident
             raise InvalidInput(f"fresh must be True or False, got {self.fresh!r}; give one of them")
         _check_numbers(self)
-        for name in ("learning_rate", "discount", "gae_lambda", "clip_range", "initial_std"):
+        for name in ("learning_rate", "clip_range", "initial_std"):
             positive(getattr(self, name), name)
-        if max(self.discount, self.gae_lambda) > 1:
-            raise InvalidInput(
-                f"discount and gae_lambda must be at most 1, got {self.discount} and "
-                f"{self.gae_lambda}; lower them"
-            )
         if isinstance(self.environment, dict):  # as JSON brings it back
             _set = object.__setattr__
             _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))
@@ -249,6 +244,12 @@ def _check_numbers(config: "TrainConfig") -> None:
             raise InvalidInput(
                 f"{name} must be at most {most:,}, got {getattr(config, name):,}; lower it"
             )
+    for name in ("discount", "gae_lambda"):
+        if not 0 < number(getattr(config, name), name) <= 1:
+            raise InvalidInput(
+                f"{name} must be above 0 and at most 1, got {getattr(config, name)!r}; 0.95 or "
+                "0.99 are common"
+            )
     training_seeds(config.seed, config.num_worlds)
     if config.steps <= config.num_worlds * config.rollout:  # the last update's rate is zero
         raise InvalidInput(
@@ -260,6 +261,8 @@ def _check_numbers(config: "TrainConfig") -> None:
         raise InvalidInput("rollout must be at least 2 with one world, got 1; raise it")
     if not isinstance(config.hidden, Sequence) or isinstance(config.hidden, str):
         raise InvalidInput(f"hidden must be sizes of layers, got {config.hidden!r}; list them")
+    if not config.hidden:
+        raise InvalidInput("hidden must be sizes of layers, got none; give at least one: 64")
     for units in config.hidden:
         whole(units, "hidden", at_least=1)
 

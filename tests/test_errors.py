@@ -46,6 +46,7 @@ def test_what_is_merely_alike_is_not_offered(given):
         ("n_steps", "rollout"),
         ("n_envs", "num_worlds"),
         ("total_timesteps", "steps"),
+        ("timesteps", "steps"),
         ("ent_coef", "entropy_weight"),
         ("net-arch", "hidden"),
         ("Seed", "seed"),

@@ -43,7 +43,7 @@ def load(path: Path) -> dict[str, Any]:
     if path.suffix not in (".toml", ".json"):
         raise InvalidInput(f"config must be a .toml or .json file, got {str(path)!r}; rename it")
     with reading(path):
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of some systems begin with a mark
         content = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
     top = (*TRAINING, *COMPARISON, "evaluation")
     noted, content = _parted(content)

@@ -7,6 +7,7 @@ the errors in a world do not depend on how many worlds run beside it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 from zlib import crc32
 
@@ -111,7 +112,7 @@ class Instruments:
         self._needed = needed.astype(np.int64)
         self._is_random, width = sensor.is_random, block.width(num_agents)
         self._offset = np.zeros((num_worlds, num_agents, width))
-        self._kept = np.zeros((sensor.delay + 1, num_worlds, num_agents, width), np.float32)
+        self._kept = _room((sensor.delay + 1, num_worlds, num_agents, width))
 
     def __call__(
         self, seen: npt.NDArray[np.float32], transition: Transition, worlds: IntArray
@@ -160,6 +161,17 @@ def _hide(seen, told, needed):
             for j in range(seen.shape[2]):
                 if needed[j] >= 0 and not told[k, i, needed[j]]:
                     seen[k, i, j] = 0.0
+
+
+def _room(shape: tuple[int, int, int, int]) -> npt.NDArray[np.float32]:
+    """Memory for every reading that is under way: (delay, world, agent, feature)."""
+    try:
+        return np.zeros(shape, np.float32)
+    except MemoryError as error:
+        raise InvalidInput(
+            f"sensor.delay must let its readings fit into memory, got {shape[0] - 1} steps of "
+            f"{shape[1]} worlds, {4 * prod(shape) / 1e9:,.0f} GB; lower it, or use fewer worlds"
+        ) from error
 
 
 @compiled

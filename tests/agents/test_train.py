@@ -176,6 +176,20 @@ def test_a_configuration_survives_json_and_refuses_nonsense(tmp_path):
             replace(config, **wrong)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"gae_lambda": 0.0}, "gae_lambda must be above 0 and at most 1, got 0.0"),
+        ({"discount": 1.5}, "discount must be above 0 and at most 1, got 1.5"),
+        ({"hidden": ()}, "hidden must be sizes of layers, got none"),
+    ],
+)
+def test_a_number_without_a_unit_is_refused_without_talk_of_units(wrong, says):
+    with pytest.raises(InvalidInput, match=says) as refused:
+        TrainConfig(**wrong)
+    assert "SI" not in str(refused.value)
+
+
 def test_a_choice_changes_only_what_it_names():
     assert find_config("coopenv/BeamTransport-v0", {}) == EnvironmentChoice().config()
     chosen = EnvironmentChoice(reward="harmony", observe=("goal",), action="force").config()

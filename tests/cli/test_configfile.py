@@ -68,6 +68,12 @@ def test_a_file_says_what_is_trained_and_options_win(file):
     assert (weights["progress"], weights["time"], weights["relative_cost"]) == (2.0, 0.5, 0.3)
 
 
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    path = tmp_path / "run.toml"
+    path.write_text("steps = 20_000\n", encoding="utf-8-sig")
+    assert command("train", "--config", path).training.steps == 20_000
+
+
 def test_the_same_file_says_how_to_evaluate(file):
     made = command("evaluate", "random", "scripted", "--config", file, "--seed", 4)
     assert made.policies == ("random", "scripted")

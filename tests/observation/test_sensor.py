@@ -11,7 +11,7 @@ from scipy import stats
 import coopenv
 from coopenv import BLOCKS, Block, Sensor, Transport
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import ranges
+from coopenv.observation import ranges, sensor
 from tests.helpers import NEVER, OPEN_ROOM, TRIO, actions
 
 NOISY = Sensor("twist", noise=0.02, bias=0.01, delay=2)
@@ -76,6 +76,15 @@ def test_a_delayed_reading_is_that_of_so_many_steps_ago_and_before_that_the_firs
         np.testing.assert_array_equal(late[step, ..., :3], truth[max(step - delay, 0), ..., :3])
     np.testing.assert_array_equal(late[..., 3:], truth[..., 3:])
     assert not delay or (late[6, ..., :3] != truth[6, ..., :3]).any()
+
+
+def test_readings_that_do_not_fit_into_memory_are_refused_with_their_size(monkeypatch):
+    def full(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(np, "zeros", full)
+    with pytest.raises(InvalidInput, match=r"10000 steps of 250000 worlds, 60 GB; lower it"):
+        sensor._room((10_001, 250_000, 2, 3))
 
 
 def test_noise_is_delayed_with_what_it_is_on():
