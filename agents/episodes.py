@@ -74,16 +74,17 @@ class EpisodeSums:
     def add(self, reward: FloatArray, info: Info) -> None:
         """Add a step, given what `coopenv.Transport.step` returned."""
         force, torque = info["force_load_share"], info["torque_load_share"]
-        imbalance = self._imbalance(force)
+        force_defined = info["force_load_share_defined"][:, None]
+        torque_defined = info["torque_load_share_defined"][:, None]
         self._length += 1
         self._success = info["success"].copy()
         steps = {
             "reward": reward,
-            "force_defined": ~np.isnan(force),
-            "torque_defined": ~np.isnan(torque),
-            "force_load_share": np.nan_to_num(force),
-            "torque_load_share": np.nan_to_num(torque),
-            "load_imbalance": np.nan_to_num(imbalance),
+            "force_defined": force_defined,
+            "torque_defined": torque_defined,
+            "force_load_share": force * force_defined,
+            "torque_load_share": torque * torque_defined,
+            "load_imbalance": self._imbalance(force) * force_defined[:, 0],
             **{name: info[name] for name in _MEANS},
             "contact_impulse": info["contact_impulse"],
         }

@@ -10,7 +10,6 @@ from coopenv.compiled import compiled
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import action_of
-from coopenv.info import Info
 from coopenv.partner import Generators, Partner
 from coopenv.transition import Transition
 
@@ -46,7 +45,7 @@ class DrivenAgents:
         """The learners' rows of every reward term."""
         return terms
 
-    def info(self, transition: Transition) -> Info:
+    def info(self, transition: Transition) -> dict[str, npt.NDArray[Any]]:
         """Facts about the partner after ``transition`` that no observation shows.
 
         ``partner_plan`` ``(world, 3)`` is the pose it wants the object to reach (where it wants
@@ -109,7 +108,7 @@ class DrivenByPartner(DrivenAgents):
         """See `DrivenAgents.terms_of_learners`."""
         return {name: self.of_learners(term) for name, term in terms.items()}
 
-    def info(self, transition: Transition) -> Info:
+    def info(self, transition: Transition) -> dict[str, npt.NDArray[Any]]:
         """See `DrivenAgents.info`."""
         state = transition.next_state
         plan, target, decided, apart = _where_to(

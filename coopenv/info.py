@@ -1,86 +1,117 @@
-"""Infos of resets and steps: the decomposition, its measures and the reward terms."""
+"""Infos of resets and steps: the decomposition, its measures and the reward terms, all flat.
 
-from typing import Any
+The keys, shapes and dtypes of a reset are those of every step, and every value is a number or an
+array of numbers, so that any library can stack them. Nothing in them is NaN.
+"""
+
+from typing import Any, Self
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray, with_rows
+from coopenv.compiled import gufunc
 from coopenv.transition import Transition
 
-Info = dict[str, Any]  # name -> array with one entry a world, or a dict of such arrays
-
-UNDEFINED_AT_START = ("force_load_share", "torque_load_share")
+REWARD, BODY = "reward/", "body/"  # what keys of a group begin with
+GROUPS = {"reward_terms": REWARD, "body": BODY}  # what indexing gives as a dictionary of its own
 POSES = ("partner_plan",)  # three numbers a world, not one an agent
+
+
+class Info(dict[str, Any]):
+    """What an environment tells beside the observation: names and numbers.
+
+    ``info["reward_terms"]`` is the dictionary of all ``info["reward/<term>"]``, and
+    ``info["body"]``, where bodies are randomised, that of all ``info["body/<number>"]``. Both are
+    made when they are asked for: they are no entries, and nothing that goes through the entries
+    meets them.
+
+    >>> info = Info({"success": False, "reward/progress": 0.25})
+    >>> info["reward_terms"]
+    {'progress': 0.25}
+    >>> list(info)
+    ['success', 'reward/progress']
+    """
+
+    def __missing__(self, name: str) -> dict[str, Any]:
+        start = GROUPS.get(name)
+        group = {} if start is None else self._group(start)
+        if start is None or (not group and name != "reward_terms"):
+            raise KeyError(name)
+        return group
+
+    def _group(self, start: str) -> dict[str, Any]:
+        return {name[len(start) :]: self[name] for name in self if name.startswith(start)}
+
+    def copy(self) -> Self:
+        """A copy that knows its groups too."""
+        return type(self)(self)
 
 
 def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     """Infos of all worlds after a step.
 
-    Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]; shares ``(world, agent)`` are
-    NaN where undefined; the levels F_I [N] and T_I [N·m], γ, the wasted cost [N], ``success``,
-    ``contact_impulse`` [N·s] and ``contact_shift`` [m] are ``(world,)``, the last two as
-    `coopenv.physics.motion.collect` has them; ``reward_terms`` maps each name to
-    ``(world, agent)``. Where body and team are drawn anew in every episode, ``body`` holds
-    the numbers drawn (`coopenv.conditions.Conditions.parameters`).
+    Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]. Shares ``(world, agent)`` are
+    1/n where they are undefined, which ``force_load_share_defined`` and
+    ``torque_load_share_defined`` ``(world,)`` tell. The levels F_I [N] and T_I [N·m], γ, the wasted
+    cost [N], ``success``, which is ``is_success`` too, ``contact_impulse`` [N·s] and
+    ``contact_shift`` [m] are ``(world,)``, the last two as `coopenv.physics.motion.collect` has
+    them. ``reward/<term>`` is ``(world, agent)``. Where body and team are drawn anew in every
+    episode, ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
     decomposition = transition.decomposition
     share = decomposition.load_share
-    conditions = transition.conditions
-    drawn = {"body": conditions.parameters()} if conditions.randomised else {}
-    return {
-        "internal_wrench": decomposition.internal,
-        "manipulation_wrench": decomposition.manipulation,
-        "force_load_share": share.force,
-        "torque_load_share": share.torque,
-        "relative_cost": decomposition.relative_cost,
-        "wasted_cost": decomposition.wasted_cost,
-        "internal_force_level": decomposition.internal_force_level,
-        "internal_torque_level": decomposition.internal_torque_level,
-        "reward_terms": parts,
-        "success": transition.success,
-        "contact_impulse": transition.contact_impulse,
-        "contact_shift": transition.contact_shift,
-        **drawn,
-    }
+    force_share, force_defined = _told_share(share.force)
+    torque_share, torque_defined = _told_share(share.torque)
+    info = Info(
+        internal_wrench=decomposition.internal,
+        manipulation_wrench=decomposition.manipulation,
+        force_load_share=force_share,
+        force_load_share_defined=force_defined,
+        torque_load_share=torque_share,
+        torque_load_share_defined=torque_defined,
+        relative_cost=decomposition.relative_cost,
+        wasted_cost=decomposition.wasted_cost,
+        internal_force_level=decomposition.internal_force_level,
+        internal_torque_level=decomposition.internal_torque_level,
+        success=transition.success,
+        is_success=transition.success,
+        contact_impulse=transition.contact_impulse,
+        contact_shift=transition.contact_shift,
+    )
+    for name, part in parts.items():
+        info[REWARD + name] = part
+    if transition.conditions.randomised:
+        for name, number in transition.conditions.parameters().items():
+            info[BODY + name] = number
+    return info
 
 
-def start_info(start: Transition, reward_names: tuple[str, ...]) -> Info:
+def start_info(start: Transition, reward_names: tuple[str, ...], num_learners: int) -> Info:
     """Infos at the start of an episode: as after a step in which nothing was applied or earned."""
-    nothing = np.zeros(start.applied.shape[:2])
+    nothing = np.zeros((len(start.applied), num_learners))
     return step_info(start, {name: nothing.copy() for name in reward_names})
-
-
-def defined(info: Info) -> Info:
-    """``info`` without the load shares, which nothing defines at the start of an episode.
-
-    For single environments: their checkers compare infos of resets, and NaN never equals itself.
-    """
-    return {name: value for name, value in info.items() if name not in UNDEFINED_AT_START}
 
 
 def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:
     """A copy of ``info`` with ``worlds`` replaced by those of ``other``, in order."""
-    return {
-        name: with_worlds(value, worlds, other[name])
-        if isinstance(value, dict)
-        else with_rows(value, worlds, other[name])
-        for name, value in info.items()
-    }
+    return Info({name: with_rows(value, worlds, other[name]) for name, value in info.items()})
 
 
 def copied(info: Info) -> Info:
     """A copy down to the arrays, so that what its owner does to it changes nothing here."""
-    return {
-        name: copied(value) if type(value) is dict else value.copy() for name, value in info.items()
-    }
+    return Info({name: value.copy() for name, value in info.items()})
 
 
 def one(info: Info, k: int) -> Info:
     """A copy of world ``k``'s info: its first axis dropped, single numbers as Python's own."""
-    single: Info = {}
-    for name, value in info.items():
-        if isinstance(value, dict):
-            single[name] = one(value, k)
-        else:
-            single[name] = value[k].copy() if value.ndim > 1 else value.item(k)
-    return single
+    return Info(
+        {name: value[k].copy() if value.ndim > 1 else value.item(k) for name, value in info.items()}
+    )
+
+
+@gufunc("(n)->(n),()", "void(float64[:], float64[:], boolean[:])")
+def _told_share(share, told, defined):
+    """Shares with 1/n where they are undefined, and whether they are defined."""
+    defined[0] = not np.isnan(share[0])
+    for i in range(share.shape[0]):
+        told[i] = share[i] if defined[0] else 1 / share.shape[0]

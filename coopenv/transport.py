@@ -53,7 +53,7 @@ class Transport:
     learners
         Numbers of the agents that actions, observations and rewards are of, in this order: all,
         or those that ``config.partner`` does not drive. Infos are of all agents, but
-        ``reward_terms``.
+        ``reward/<term>``.
     transition
         The last step, or the start; ``None`` before the first reset.
     generators
@@ -104,7 +104,7 @@ class Transport:
         self._task, self._has_moving_goal = self.config.task, self.config.task.moves
         self._episodes = Episodes(self._task, self.num_worlds, dt=self.dt, horizon=self.horizon)
         self._obs = np.zeros((0,), dtype=np.float32)
-        self._info: Info = {}
+        self._info = Info()
 
     def __reduce__(self):
         """Copies and pickles of a transport that was not reset yet are made from its configuration.
@@ -193,15 +193,14 @@ class Transport:
             drawn_goal if goal is None else goal[worlds],
         )
         obs = self.driven.of_learners(self.observation(start, worlds))
-        info = start_info(start, tuple(self.reward))
+        info = start_info(start, tuple(self.reward), len(self.learners))
         self.driven.begin(worlds, self.generators, start)
-        info["reward_terms"] = self.driven.terms_of_learners(info["reward_terms"])
         if self.transition is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:
             self.transition = self.transition.with_worlds(worlds, start, self.conditions)
             obs = with_rows(self._obs, worlds, obs)
-            info = with_worlds({name: self._info[name] for name in info}, worlds, info)
+            info = with_worlds(Info({name: self._info[name] for name in info}), worlds, info)
         info.update(self.driven.info(self.transition))
         self._obs, self._info = obs, info
         return obs.copy(), copied(info)

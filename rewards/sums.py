@@ -30,7 +30,7 @@ class RewardSum(Mapping[str, Term]):
     Parameters
     ----------
     terms
-        Name → term. The names become the keys of ``info["reward_terms"]``.
+        Name → term. The names become the keys of ``info["reward/<name>"]``.
 
     Raises
     ------

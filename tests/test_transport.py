@@ -73,17 +73,20 @@ def test_shapes_are_world_agent_feature():
     assert (reward.shape, reward.dtype) == ((5, 3), np.float64)
     for end in (terminated, truncated, info["success"]):
         assert (end.shape, end.dtype) == ((5,), np.bool_)
-    shapes = {name: np.shape(value) for name, value in info.items() if name != "reward_terms"}
+    shapes = {name: np.shape(value) for name, value in info.items() if "/" not in name}
     assert shapes == {
         "internal_wrench": (5, 3, 3),
         "manipulation_wrench": (5, 3, 3),
         "force_load_share": (5, 3),
+        "force_load_share_defined": (5,),
         "torque_load_share": (5, 3),
+        "torque_load_share_defined": (5,),
         "relative_cost": (5,),
         "wasted_cost": (5,),
         "internal_force_level": (5,),
         "internal_torque_level": (5,),
         "success": (5,),
+        "is_success": (5,),
         "contact_impulse": (5,),
         "contact_shift": (5,),
     }
@@ -135,7 +138,8 @@ def test_pure_tension_is_internal_at_any_beam_angle_and_moves_nothing(angle, pul
     assert info["relative_cost"][0] == pytest.approx(1.0, abs=1e-12)
     assert info["internal_force_level"][0] == pytest.approx(20.0, abs=1e-9)
     np.testing.assert_allclose(info["internal_wrench"], last(core).applied, atol=1e-9)
-    assert np.isnan(info["force_load_share"]).all()
+    assert not info["force_load_share_defined"].any()
+    np.testing.assert_array_equal(info["force_load_share"], 0.5)
 
 
 def test_pulling_together_is_not_internal():
@@ -143,6 +147,8 @@ def test_pulling_together_is_not_internal():
     *_, info = core.step([[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]])
     assert info["relative_cost"][0] == pytest.approx(0.0, abs=1e-9)
     np.testing.assert_allclose(info["force_load_share"], 0.5, atol=1e-12)
+    assert info["force_load_share_defined"].all()
+    assert not info["torque_load_share_defined"].any()
     assert core.world.twist[0, :2] @ [np.cos(0.3), np.sin(0.3)] > 0.2
 
 

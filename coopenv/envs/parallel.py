@@ -51,6 +51,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
         "render_modes": RENDER_MODES,
         "is_parallelizable": True,
+        "render_fps": 20,
     }
 
     def __init__(
@@ -94,7 +95,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         self.agents = self.possible_agents[:]
         if self.render_mode == "human":
             self.render()
-        return self._split(obs), self._infos(infos.defined(info))
+        return self._split(obs), self._infos(info)
 
     def step(
         self, actions: Mapping[str, Action | None]
@@ -160,16 +161,15 @@ def _own(info: infos.Info, i: int, row: int) -> infos.Info:
 
     Reward terms are of the learners only, of whom it is number ``row``.
     """
-    own: infos.Info = {}
+    own = infos.Info()
     for name, value in info.items():
-        if isinstance(value, dict):
-            own[name] = _own(value, row, row)
-        elif isinstance(value, np.ndarray) and name in infos.POSES:
-            own[name] = value.copy()
-        elif isinstance(value, np.ndarray):
-            own[name] = value[i].copy() if value.ndim > 1 else value.item(i)
-        else:
+        if not isinstance(value, np.ndarray):
             own[name] = value
+        elif name in infos.POSES:
+            own[name] = value.copy()
+        else:
+            mine = row if name.startswith(infos.REWARD) else i
+            own[name] = value[mine].copy() if value.ndim > 1 else value.item(mine)
     return own
 
 

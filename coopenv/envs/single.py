@@ -18,7 +18,7 @@ from coopenv.envs.common import (
     team_actions,
     team_observation_space,
 )
-from coopenv.envs.spec import Specified
+from coopenv.envs.spec import Specified, asked_horizon
 from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 
@@ -32,8 +32,8 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     over the team. Agents that a ``partner`` drives have no part in observation, action and reward;
     what is true of it is in the info (`coopenv.driven.DrivenAgents.info`).
 
-    ``horizon`` truncates. ``gymnasium.make(..., max_episode_steps=)`` puts Gymnasium's time limit
-    outside, of which the environment does not learn: it can stop an episode earlier, not later.
+    ``horizon`` truncates, and is ``spec.max_episode_steps``; ``gymnasium.make(...,
+    max_episode_steps=)`` is another word for it, shorter or longer.
 
     Parameters
     ----------
@@ -57,6 +57,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
         defaults: Mapping[str, Any] | None = None,
         **keywords: Any,
     ):
+        keywords = {**keywords, **asked_horizon()}
         self.transport = Transport(config=TransportConfig.parse(keywords, defaults))
         self._pictures = Pictures(self.transport, render_mode)
         self.render_mode = render_mode
@@ -81,7 +82,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
             raise
         if self.render_mode == "human":
             self.render()
-        return obs.reshape(-1), _team_info(infos.defined(info))
+        return obs.reshape(-1), _team_info(info)
 
     def step(
         self, action: npt.NDArray[np.float32]
@@ -105,8 +106,9 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
 
 def _team_info(info: infos.Info) -> infos.Info:
     single = infos.one(info, 0)
-    terms = single["reward_terms"]
-    single["reward_terms"] = {name: _mean(term) for name, term in terms.items()}
+    for name, value in single.items():
+        if name.startswith(infos.REWARD):
+            single[name] = _mean(value)
     return single
 
 

@@ -1,14 +1,16 @@
 """Gymnasium specifications that come back from JSON as they were, or say that they cannot."""
 
 import json
+import sys
 from dataclasses import fields, replace
 from typing import Any
 
-from gymnasium.envs.registration import EnvSpec, load_env_creator
+from gymnasium.envs.registration import EnvSpec, load_env_creator, make
 
 from coopenv.config import ALIASES, TransportConfig
 from coopenv.config.json_form import shown
 from coopenv.errors import InvalidInput
+from coopenv.transport import Transport
 
 NAMES = (*ALIASES, *(entry.name for entry in fields(TransportConfig)))
 
@@ -38,9 +40,15 @@ class TransportSpec(EnvSpec):
 
 
 class Specified:
-    """An environment whose specification is a `TransportSpec`."""
+    """An environment whose specification is a `TransportSpec`, which tells its horizon."""
 
+    transport: Transport
     _spec: EnvSpec | None = None
+
+    @property
+    def _max_episode_steps(self) -> int:
+        """The horizon, where tools look for it that read it off Gymnasium's time limit."""
+        return self.transport.horizon
 
     @property
     def spec(self) -> EnvSpec | None:
@@ -51,8 +59,44 @@ class Specified:
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None and not isinstance(spec, TransportSpec):
             given = {entry.name: getattr(spec, entry.name) for entry in fields(spec) if entry.init}
-            spec = TransportSpec(**given)
+            spec = TransportSpec(**{**given, "max_episode_steps": self.transport.horizon})
         self._spec = spec
+
+
+def asked_horizon() -> dict[str, int]:
+    """The horizon that ``gymnasium.make`` was asked for, if it makes an environment now.
+
+    Gymnasium keeps ``max_episode_steps`` to itself and puts a time limit outside, of which the
+    environment would not learn: its own horizon would end a longer episode, and the time left of
+    a shorter one would be wrong. So it is read where ``make`` holds it.
+
+    Returns
+    -------
+    ``{"max_episode_steps": ...}``, or nothing.
+
+    Raises
+    ------
+    InvalidInput
+        If a specification with a time limit is given another horizon, which that limit would cut.
+    """
+    frame = sys._getframe(1)
+    while frame is not None and frame.f_code is not make.__code__:
+        frame = frame.f_back
+    if frame is None:
+        return {}
+    asked, spec = frame.f_locals["max_episode_steps"], frame.f_locals["env_spec"]
+    if asked == -1:  # none of Gymnasium's
+        return {}
+    limit = spec.max_episode_steps if asked is None else asked
+    if limit is None:
+        return {}
+    wanted = frame.f_locals["kwargs"].get("horizon", limit)
+    if asked is None and wanted != limit:
+        raise InvalidInput(
+            f"horizon must be given as max_episode_steps where an environment is made from a "
+            f"specification that has one, got horizon={wanted} beside its {limit}; rename it"
+        )
+    return {"max_episode_steps": limit}
 
 
 def defaults_of(spec: EnvSpec) -> Any:

@@ -1,6 +1,6 @@
 """Gymnasium vector view: all worlds of a transport as one ``VectorEnv`` with autoreset."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import gymnasium
@@ -13,6 +13,7 @@ from coopenv.arrays import BoolArray
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
+    check_render_mode,
     options_dict,
     start_options,
     team_action_space,
@@ -21,7 +22,7 @@ from coopenv.envs.common import (
 )
 from coopenv.envs.spec import Specified
 from coopenv.errors import UnknownName
-from coopenv.info import UNDEFINED_AT_START, Info
+from coopenv.info import REWARD, Info
 from coopenv.transport import Seed, Transport
 
 
@@ -33,7 +34,8 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
     num_envs
         Number of worlds; world k of ``reset(seed=s)`` starts as the single one with ``s + k``.
     render_mode
-        ``None`` or ``"rgb_array"`` (one picture a world).
+        ``None``, ``"rgb_array"`` (one picture a world) or ``"rgb_array_list"`` (all of them, drawn
+        in every step).
     autoreset_mode
         ``"NextStep"``: the step after the end resets and ignores the action. ``"SameStep"``: the
         ending step returns the new episode's observation; the last of the old one is
@@ -46,7 +48,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
-        "render_modes": ["rgb_array"],
+        "render_modes": ["rgb_array", "rgb_array_list"],
         "render_fps": 20,
     }
 
@@ -62,7 +64,8 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         config = TransportConfig.parse(keywords, defaults)
         self.transport = Transport(num_worlds=num_envs, config=config)
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
-        self._pictures = Pictures(self.transport, render_mode, self.metadata["render_modes"])
+        check_render_mode(render_mode, self.metadata["render_modes"])
+        self._pictures = Pictures(self.transport, render_mode and "rgb_array")
         self.num_envs, self.render_mode = self.transport.num_worlds, render_mode
         self.metadata = {
             **self.metadata,
@@ -75,6 +78,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_blocks = self.transport.observation.blocks
         self._done = np.zeros(self.num_envs, dtype=np.bool_)
+        self._frames: list[list[Any]] = [[] for _ in range(self.num_envs)]
 
     def reset(
         self, *, seed: Seed = None, options: dict[str, Any] | None = None
@@ -88,7 +92,8 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         obs, info = self.transport.reset(seed=seed, mask=mask, **start_options(given))
         started = np.ones(self.num_envs, dtype=np.bool_) if mask is None else np.array(mask)
         self._done = self._done & ~started
-        return self._joint(obs), self._vector_info(info, present=started, started=started)
+        self._collect(np.flatnonzero(started), started)
+        return self._joint(obs), self._vector_info(info, present=started)
 
     def step(
         self, actions: npt.NDArray[np.float32]
@@ -101,42 +106,56 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         if self.autoreset_mode is AutoresetMode.SAME_STEP and done.any():
             final = self._final(obs, info, done)
             obs, info = self.transport.reset(mask=done)
-            info = {**self._vector_info(info, started=done), **final}
+            restart = done
+            info = Info({**self._vector_info(info), **final})
         else:
-            info = self._vector_info(info, started=restart)
+            info = self._vector_info(info)
+        self._collect(range(self.num_envs), restart)
         return self._joint(obs), reward.mean(axis=1), terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
-        """One picture a world, or ``None`` without a render mode."""
+        """One picture a world, or a list of them, or ``None`` without a render mode.
+
+        With ``"rgb_array_list"`` the pictures are those since the start of the world's episode or
+        the last call, as of Gymnasium's single environments.
+        """
         if self.render_mode is None:
             return None
-        return tuple(self._pictures.draw(world) for world in range(self.num_envs))
+        if self.render_mode == "rgb_array":
+            return tuple(self._pictures.draw(world) for world in range(self.num_envs))
+        frames, self._frames = self._frames, [[] for _ in range(self.num_envs)]
+        return tuple(frames)
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the windows."""
         self._pictures.close()
 
+    def _collect(self, worlds: Iterable[int], started: BoolArray | None) -> None:
+        """Draw worlds for their lists of pictures, which begin anew where an episode did."""
+        if self.render_mode != "rgb_array_list":
+            return
+        for world in worlds:
+            if started is not None and started[world]:
+                self._frames[world].clear()
+            self._frames[world].append(self._pictures.draw(world))
+
     def _joint(self, obs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         return obs.reshape(self.num_envs, -1)
 
-    def _vector_info(
-        self, info: Info, *, present: BoolArray | None = None, started: BoolArray | None = None
-    ) -> Info:
+    def _vector_info(self, info: Info, *, present: BoolArray | None = None) -> Info:
         """Reward terms averaged over the team, and Gymnasium's ``_key`` mask beside each key.
 
-        ``present`` marks the worlds that the info is of, ``started`` those that were just reset.
+        ``present`` marks the worlds that the info is of; ``None``: all.
         """
-        terms = {name: term.mean(axis=1) for name, term in info["reward_terms"].items()}
-        everywhere = np.ones(self.num_envs, dtype=np.bool_)
-        masked = _masked(
-            {**info, "reward_terms": terms}, everywhere if present is None else present
-        )
-        if started is not None:
-            for name in UNDEFINED_AT_START:
-                masked[f"_{name}"] &= ~started
+        if present is None:
+            present = np.ones(self.num_envs, dtype=np.bool_)
+        masked = Info()
+        for name, value in info.items():
+            masked[name] = value.mean(axis=1) if name.startswith(REWARD) else value
+            masked[f"_{name}"] = present.copy()
         return masked
 
-    def _final(self, obs: npt.NDArray[np.float32], info: Info, done: BoolArray) -> Info:
+    def _final(self, obs: npt.NDArray[np.float32], info: Info, done: BoolArray) -> dict[str, Any]:
         last = np.full(self.num_envs, None, dtype=object)
         for k in np.flatnonzero(done):
             last[k] = obs[k].reshape(-1)
@@ -146,14 +165,6 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
             "final_info": self._vector_info(info, present=done),
             "_final_info": done.copy(),
         }
-
-
-def _masked(info: Info, present: BoolArray) -> Info:
-    masked: Info = {}
-    for name, value in info.items():
-        masked[name] = _masked(value, present) if isinstance(value, dict) else value
-        masked[f"_{name}"] = present.copy()
-    return masked
 
 
 def _autoreset_mode(mode: str | AutoresetMode) -> AutoresetMode:

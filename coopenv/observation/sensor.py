@@ -170,7 +170,7 @@ def _room(shape: tuple[int, int, int, int]) -> npt.NDArray[np.float32]:
     except MemoryError as error:
         raise InvalidInput(
             f"sensor.delay must let its readings fit into memory, got {shape[0] - 1} steps of "
-            f"{shape[1]} worlds, {4 * prod(shape) / 1e9:,.0f} GB; lower it, or use fewer worlds"
+            f"{shape[1]} worlds, {4 * prod(shape) / 1e9:.2g} GB; lower it, or use fewer worlds"
         ) from error
 
 

@@ -3,12 +3,13 @@
 import importlib.util
 import warnings
 from dataclasses import replace
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 from gymnasium.wrappers import RecordEpisodeStatistics
 from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordVectorStatistics
 from pettingzoo import AECEnv, ParallelEnv
@@ -38,7 +39,6 @@ from tests.helpers import (
     actions,
     assert_same,
     constant,
-    leaves,
     spoil,
 )
 
@@ -120,7 +120,7 @@ def test_views_are_what_the_ecosystem_takes_them_for(view, module):
     spec = gymnasium.spec(view)
     assert isinstance(spec.entry_point, str)  # a class would not survive JSON
     assert isinstance(spec.vector_entry_point, str)
-    assert spec.max_episode_steps is None
+    assert spec.max_episode_steps is None  # Gymnasium would put a time limit of its own outside
     for env in (gymnasium.make(view), gymnasium.make_vec(view), module.parallel_env()):
         assert isinstance(env.unwrapped.transport, Transport)  # pyright: ignore[reportAttributeAccessIssue]
         assert env.metadata["render_fps"] == 20
@@ -136,19 +136,23 @@ def check_observation(obs, space):
     assert space.contains(obs)
 
 
-def check_info(info, *, may_be_undefined=("load_share",)):
-    """Everything finite but shares, and single numbers of Python's own types."""
-    for path, value in leaves(info):
-        assert isinstance(value, np.ndarray | float | bool | int), (path, type(value))
-        if not any(word in path for word in may_be_undefined):
-            assert np.isfinite(np.asarray(value, dtype=float)).all(), path
+def check_info(info, first):
+    """Everything finite, of the names, types and shapes of ``first``, and flat."""
+    assert list(info) == list(first)
+    for name, value in info.items():
+        assert isinstance(value, np.ndarray | float | bool | int), (name, type(value))
+        assert np.isfinite(np.asarray(value, dtype=float)).all(), name
+        assert type(value) is type(first[name]), name
+        assert np.shape(value) == np.shape(first[name]), name
+        assert np.asarray(value).dtype == np.asarray(first[name]).dtype, name
 
 
 @EVERY_CASE
 def test_single_results_are_finite_and_of_the_types_promised(view, keywords):
     env = gymnasium.make(view, **keywords)
-    obs, info = env.reset(seed=0)
+    obs, first = env.reset(seed=0)
     check_observation(obs, env.observation_space)
+    check_info(first, first)
     env.action_space.seed(1)
     for _ in range(min(40, keywords.get("horizon", 40))):
         obs, reward, terminated, truncated, info = env.step(env.action_space.sample())
@@ -156,7 +160,7 @@ def test_single_results_are_finite_and_of_the_types_promised(view, keywords):
         assert type(reward) is float
         assert np.isfinite(reward)
         assert (type(terminated), type(truncated)) == (bool, bool)
-        check_info(info)
+        check_info(info, first)
         assert sum(info["reward_terms"].values()) == pytest.approx(reward, abs=1e-12)
         if terminated or truncated:
             break
@@ -165,7 +169,7 @@ def test_single_results_are_finite_and_of_the_types_promised(view, keywords):
 @EVERY_MODULES_CASE
 def test_parallel_results_are_finite_and_of_the_types_promised(module, keywords):
     env = module.parallel_env(**keywords)
-    obs, infos = env.reset(seed=0)
+    obs, first = env.reset(seed=0)
     everyone = set(env.possible_agents)
     for i, agent in enumerate(env.possible_agents):
         env.action_space(agent).seed(i)
@@ -180,7 +184,7 @@ def test_parallel_results_are_finite_and_of_the_types_promised(module, keywords)
             assert type(rewards[agent]) is float
             assert np.isfinite(rewards[agent])
             assert (type(terminated[agent]), type(truncated[agent])) == (bool, bool)
-            check_info(infos[agent])
+            check_info(infos[agent], first[agent])
             terms = infos[agent]["reward_terms"]
             assert sum(terms.values()) == pytest.approx(rewards[agent], abs=1e-12)
         check_observation(env.state(), env.state_space)
@@ -375,14 +379,57 @@ def test_gymnasiums_episode_limit_is_the_horizon_of_a_vector(view, steps):
 
 
 @EVERY_ID
-def test_gymnasiums_time_limit_ends_a_single_episode_early_but_not_late(view):
-    early = gymnasium.make(view, max_episode_steps=3, task=NEVER)
-    late = gymnasium.make(view, max_episode_steps=30, horizon=20, task=NEVER)
-    for env, steps in ((early, 3), (late, 20)):
+def test_gymnasiums_time_limit_is_the_horizon_of_a_single_environment(view):
+    early: Any = gymnasium.make(view, max_episode_steps=3, task=NEVER)
+    late: Any = gymnasium.make(view, max_episode_steps=30, horizon=20, task=NEVER)
+    again: Any = gymnasium.make(late.spec)
+    for env, steps in ((early, 3), (late, 30), (again, 30)):
+        assert env.unwrapped.transport.horizon == steps
+        assert env.spec.max_episode_steps == steps
         env.reset(seed=0)
         still = constant(env)
         stops = [env.step(still)[3] for _ in range(steps)]
         assert stops == [False] * (steps - 1) + [True]
+
+
+@EVERY_ID
+def test_the_horizon_can_be_read_where_tools_look_for_it(view):
+    made: Any = gymnasium.make(view, horizon=31), gymnasium.make_vec(view, horizon=31)
+    for env in made:
+        assert env.spec.max_episode_steps == 31
+        assert env.unwrapped._max_episode_steps == 31
+        assert "TimeLimit" not in str(env)
+    unlimited: Any = gymnasium.make(view, max_episode_steps=-1, horizon=31)
+    assert unlimited.unwrapped.transport.horizon == 31
+
+
+def test_a_horizon_that_a_specifications_limit_would_cut_is_refused():
+    spec: Any = gymnasium.make(IDS[0], horizon=31).spec
+    longer: Any = gymnasium.make(spec, max_episode_steps=50)
+    assert longer.unwrapped.transport.horizon == 50
+    with pytest.raises(InvalidInput, match="horizon must be given as max_episode_steps"):
+        gymnasium.make(spec, horizon=50)
+
+
+@EVERY_ID
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_a_vector_collects_pictures_as_gymnasiums_own_over_single_ones(view, mode):
+    keywords = {"horizon": 3, "task": NEVER, "render_mode": "rgb_array_list"}
+    ours: Any = gymnasium.make_vec(view, num_envs=2, autoreset_mode=mode, **keywords)
+    theirs: Any = SyncVectorEnv(
+        [lambda: gymnasium.make(view, **keywords) for _ in range(2)],
+        autoreset_mode=AutoresetMode(mode),
+    )
+    still = constant(ours, 0.5)
+    for envs in (ours, theirs):
+        envs.reset(seed=0)
+    for _ in range(2):
+        for _ in range(5):
+            ours.step(still), theirs.step(still)
+        for mine, wanted in zip(ours.render(), theirs.render(), strict=True):
+            assert len(mine) == len(wanted) > 0
+            for got, want in zip(mine, wanted, strict=True):
+                np.testing.assert_array_equal(got, want)
 
 
 @EVERY_ID

@@ -143,7 +143,8 @@ def test_what_is_not_defined_reads_as_an_even_share():
     core = Transport(body=TRIO, observe=("load_share",))
     obs, info = core.reset(seed=0)
     np.testing.assert_allclose(obs, 1 / 3, rtol=1e-6)
-    assert np.isnan(info["force_load_share"]).all()
+    np.testing.assert_array_equal(info["force_load_share"], 1 / 3)
+    assert not info["force_load_share_defined"].any()
     obs, *_, info = core.step(np.zeros((1, 3, 3)))
     np.testing.assert_allclose(obs, 1 / 3, rtol=1e-6)
 

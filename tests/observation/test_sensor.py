@@ -11,7 +11,7 @@ from scipy import stats
 import coopenv
 from coopenv import BLOCKS, Block, Sensor, Transport
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import ranges, sensor
+from coopenv.observation import ranges
 from tests.helpers import NEVER, OPEN_ROOM, TRIO, actions
 
 NOISY = Sensor("twist", noise=0.02, bias=0.01, delay=2)
@@ -79,12 +79,14 @@ def test_a_delayed_reading_is_that_of_so_many_steps_ago_and_before_that_the_firs
 
 
 def test_readings_that_do_not_fit_into_memory_are_refused_with_their_size(monkeypatch):
-    def full(*_):
-        raise MemoryError
+    def full(shape, *rest, **named):
+        if len(np.atleast_1d(shape)) == 4:  # (delay, world, agent, feature)
+            raise MemoryError
+        return np.empty(shape, *rest, **named)
 
     monkeypatch.setattr(np, "zeros", full)
-    with pytest.raises(InvalidInput, match=r"10000 steps of 250000 worlds, 60 GB; lower it"):
-        sensor._room((10_001, 250_000, 2, 3))
+    with pytest.raises(InvalidInput, match=r"10000 steps of 3 worlds, 0.00072 GB; lower it"):
+        Transport(num_worlds=3, observe=(Sensor("twist", delay=10_000),))
 
 
 def test_noise_is_delayed_with_what_it_is_on():

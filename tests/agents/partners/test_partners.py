@@ -54,11 +54,7 @@ def episode(partner, learner=None, *, worlds=50, steps=60, seed=0, **keywords):
         infos.append(info)
         wrenches.append(core.transition.applied[:, 1])
         powers.append(power(core.transition, 1))
-    told = {
-        name: np.array([info[name] for info in infos])
-        for name in infos[0]
-        if name != "reward_terms"
-    }
+    told = {name: np.array([info[name] for info in infos]) for name in infos[0]}
     return core, told, np.array(wrenches), np.array(powers)
 
 
