@@ -1,5 +1,6 @@
 """Compilation with numba: recompilation, cache and threads."""
 
+import importlib
 import os
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 from coopenv import wrench
+from coopenv.compiled import cache as compile_cache
 from coopenv.geometry.frames import wrap_pose, wrapped
 
 KERNEL = """
@@ -168,6 +170,115 @@ def test_a_cache_left_by_two_processes_at_once_is_mended(tmp_path):
         kernel.unlink()
     assert run(OTHER_NAMES, tmp_path) == "3.0"
     assert run(CALL, tmp_path) == "3.0"
+
+
+FRAGILE = """
+from coopenv.compiled import compiled, gufunc
+
+@compiled
+def twice(x):
+    return 2.0 * x
+
+@gufunc("(n)->()", "void(float64[:], float64[:])")
+def total(values, result):
+    result[0] = 0.0
+    for i in range(values.shape[0]):
+        result[0] += values[i]
+"""
+
+
+@pytest.fixture
+def start(tmp_path, monkeypatch):
+    """Import kernels as a new process would; how many were in the cache, and how many not."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(compile_cache, "_warned", [], raising=False)
+    (tmp_path / "fragile.py").write_text(FRAGILE)
+
+    def begin() -> tuple[int, int]:
+        sys.modules.pop("fragile", None)
+        importlib.invalidate_caches()
+        fragile = importlib.import_module("fragile")
+        assert (fragile.twice(3.0), fragile.total([1.0, 2.0])) == (6.0, 3.0)
+        stats = fragile.twice.stats
+        return sum(stats.cache_hits.values()), sum(stats.cache_misses.values())
+
+    yield begin
+    sys.modules.pop("fragile", None)
+
+
+def cached(folder: Path) -> list[Path]:
+    return sorted((folder / "__pycache__").glob("*fragile.*.nb[ic]"))
+
+
+def flipped(content: bytes) -> bytes:
+    """One bit of the content is another, in the middle."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+DAMAGES = {
+    "empty": lambda content: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "cut_short": lambda content: content[:40],
+    "zeros": lambda content: bytes(len(content)),
+    "garbage": lambda content: np.random.default_rng(0).bytes(len(content)),
+    "a_bit": flipped,
+    "longer": lambda content: content + b"more",
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_a_damaged_cache_heals_itself(damage, start, tmp_path):
+    assert start() == (0, 1)
+    files = cached(tmp_path)
+    assert len(files) == 6  # index and code of a function, of a gufunc and of its loop
+    for file in files:
+        whole = file.read_bytes()
+        file.write_bytes(damage(whole))
+        start()
+        assert start() == (1, 0), file
+        assert len(file.read_bytes()) == pytest.approx(len(whole), rel=0.1), file
+
+
+@pytest.mark.filterwarnings("ignore:the cache of compiled kernels")
+def test_a_cache_of_which_a_file_cannot_be_read_does_not_stop_the_import(start, tmp_path):
+    start()
+    for file in cached(tmp_path):
+        file.unlink()
+        file.mkdir()  # as unreadable for root as for others
+        start()
+
+
+def test_a_cache_that_numba_wrote_without_digests_is_written_anew(start, tmp_path):
+    plain = compile_cache.IndexDataCacheFile(str(tmp_path / "__pycache__"), "x", "stamp")
+    start()
+    for file in cached(tmp_path):
+        with plain._open_for_write(str(file)) as opened:
+            opened.write(file.read_bytes()[: -compile_cache.DIGEST])
+    assert start() == (0, 1)
+    assert start() == (1, 0)
+
+
+def test_a_cache_that_cannot_be_written_is_warned_of_once_and_compiled_in_memory(
+    start, tmp_path, monkeypatch
+):
+    file = tmp_path / "__pycache__"
+    file.write_text("no folder")
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(file))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(file))
+    with pytest.warns(UserWarning, match="cache of compiled kernels must be writable") as warned:
+        found = [start(), start()]
+    assert found == [(0, 1), (0, 1)]
+    assert len(warned) == 1
+
+
+def test_a_disk_that_is_full_while_a_kernel_is_kept_stops_nothing(start, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(compile_cache.IndexDataCacheFile, "_open_for_write", full)
+    with pytest.warns(UserWarning, match="No space left on device"):
+        assert start() == (0, 1)
 
 
 def test_threads_may_decompose_at_the_same_time():
