@@ -102,7 +102,6 @@ def _begun(path: Path) -> Iterator[Path]:
     """Like `coopenv.files.written`, but raise at once where the file cannot be written."""
     require_writable(path)
     with written(path) as part:
-        part.touch()
         yield part
 
 

@@ -70,7 +70,7 @@ def test_a_table_that_cannot_be_written_is_refused_before_the_work(
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pathlib.Path.touch", full)
+    monkeypatch.setattr("coopenv.files.checks.begin", full)
     said = complaint(*table, tmp_path / "new" / "table.csv")
     assert "No space left on device; the disk is full: make room" in said
     assert [each.name for each in tmp_path.iterdir()] == ["folder.csv"]

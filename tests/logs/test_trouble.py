@@ -69,7 +69,7 @@ def test_a_file_without_permission_is_named(tmp_path, capsys, monkeypatch):
         patch.setattr("pathlib.Path.open", refused)
         assert f"{path} must be readable, got: Permission denied" in complaint(capsys, path)
     with monkeypatch.context() as patch:
-        patch.setattr("pathlib.Path.touch", refused)
+        patch.setattr("coopenv.files.checks.begin", refused)
         said = complaint(capsys, path)
         assert "a.decomposed.csv must be writable, got: Permission denied" in said
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]

@@ -123,7 +123,7 @@ def test_an_interruption_while_a_checkpoint_is_written_leaves_the_one_before(tmp
         with pytest.raises(KeyboardInterrupt):
             train(config, environment=SHORT)
     assert Checkpoint.read(tmp_path / "checkpoint.zip").progress.steps == 64
-    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".part")]
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
     train(config, environment=SHORT)
     assert [row["steps"] for row in curves(tmp_path)] == ["32", "64", "96", "128"]
 
