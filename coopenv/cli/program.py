@@ -11,11 +11,14 @@ from typing import Protocol
 from coopenv.cli import terminal, version
 from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
+from coopenv.cli.signals import TERMINATED, interrupted_by_termination
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
 from coopenv.errors import CoopenvError
 from coopenv.files import file_trouble
 from coopenv.logs.command import Decompose
+
+INTERRUPTED = 130  # exit code
 
 
 class Command(Protocol):
@@ -38,11 +41,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command that ``arguments`` (by default those of the process) name.
 
     What a user can mend is told in one line; an error of the package's own shows its traceback.
+    SIGTERM interrupts it as Ctrl-C does, if this is the main thread.
 
     Returns
     -------
     0 if it is done; 1 if it was refused or failed, for the reason that is printed, or if nobody
-    reads the output any more; 130 if it was interrupted.
+    reads the output any more; 130 if it was interrupted, 143 by SIGTERM.
 
     Raises
     ------
@@ -51,6 +55,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     terminal.make_legible()
     given = list(sys.argv[1:] if arguments is None else arguments)
+    with interrupted_by_termination() as told:
+        code = _answered(given)
+    return code if told.since is None or code != INTERRUPTED else TERMINATED
+
+
+def _answered(given: Sequence[str]) -> int:
+    """Run a command; the exit code."""
     try:
         _run(given)
         terminal.flush()
@@ -68,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         said = str(stop) or "interrupted"
         print(f"{PROGRAM}: {said}", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     return 0
 
 
