@@ -10,6 +10,7 @@ import numpy as np
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.files import locked, sweep, writing
 
 from . import curves
 from .curves import Row
@@ -20,6 +21,7 @@ from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
 from .training.checkpoint import CHECKPOINT, POLICY, REMEDY, Checkpoint, Keeper, save
+from .training.events import told_once
 from .training.progress import Progress, Watch
 
 try:
@@ -51,7 +53,8 @@ def train(
     ``curves.png``, ``tensorboard/``, and while it runs ``checkpoint.zip``, with which the next call
     of the same configuration goes on. So does an interruption (Ctrl-C), after the last update that
     was done. Episodes that ran when it was killed begin anew, so a run that was killed does not
-    give the same bits as one that was not.
+    give the same bits as one that was not. The folder is locked meanwhile, and left-overs of
+    writers that were killed are removed from it.
 
     A run that is finished is not trained again: its policy is returned. With more ``steps`` it goes
     on from its end, at the learning rate that a run of so many steps has there. ``config.fresh``
@@ -71,16 +74,21 @@ def train(
     Raises
     ------
     InvalidInput
-        If ``config.out`` holds another run, or this one with more steps done; or if the environment
-        cannot be written into it.
+        If ``config.out`` holds another run, or this one with more steps done; if another process is
+        at work in it; or if the environment cannot be written into it.
         Also if it diverges, with the last update that did not in the checkpoint.
+    FileTrouble
+        If the system does not let something be written, as on a full disk; the last checkpoint
+        stays.
     KeyboardInterrupt
         If it is interrupted; the message says where the next call will go on.
     """
     threads = torch.get_num_threads()
     torch.set_num_threads(config.threads)
     try:
-        return _train(config, environment or config.environment.config(), report, tell)
+        with locked(config.out), writing(config.out):
+            sweep(config.out)
+            return _train(config, environment or config.environment.config(), report, tell)
     finally:
         torch.set_num_threads(threads)
 
@@ -135,12 +143,13 @@ def _learn(
         report=report if report is not None else lambda row: None,
     )
     try:
-        model.learn(
-            max(0, config.steps * per_step - model.num_timesteps),
-            callback=watch,
-            reset_num_timesteps=model.num_timesteps == 0,
-            tb_log_name=LOG,
-        )
+        with told_once():
+            model.learn(
+                max(0, config.steps * per_step - model.num_timesteps),
+                callback=watch,
+                reset_num_timesteps=model.num_timesteps == 0,
+                tb_log_name=LOG,
+            )
         require_finite(model, "of the policy")
         save(config.out / POLICY, model, provenance, progress)
     except ValueError as error:

@@ -14,7 +14,7 @@ from coopenv.cli import configfile
 from coopenv.cli.environments import Environment
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
-from coopenv.files import require_folder
+from coopenv.files import locked, require_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -53,8 +53,12 @@ class Train:
         evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))
 
     def run(self) -> None:
-        """Train, evaluate, draw."""
+        """Train, evaluate, draw, while nobody else does in the same folder."""
         require_folder(self.training.out)
+        with locked(self.training.out):
+            self._run()
+
+    def _run(self) -> None:
         from rich.console import Console
 
         from coopenv.agents.train import train
