@@ -138,6 +138,10 @@ class ResetNeeded(CoopenvError, RuntimeError):
     """A world was stepped before its first reset or after its episode ended."""
 
 
+class CoreInUse(CoopenvError, RuntimeError):
+    """A core was stepped or reset by two threads at the same time."""
+
+
 class BodyLost(CoopenvError, RuntimeError):
     """A body went through a wall: it moves too far in a substep."""
 

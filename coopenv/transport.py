@@ -1,5 +1,6 @@
 """The core of every environment: many worlds reset and stepped together."""
 
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from coopenv.info import Info, copied, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
+from coopenv.physics.threads import one_thread_at_a_time
 from coopenv.physics.world import World
 from coopenv.resets import (
     Draws,
@@ -105,6 +107,7 @@ class Transport:
         self._episodes = Episodes(self._task, self.num_worlds, dt=self.dt, horizon=self.horizon)
         self._obs = np.zeros((0,), dtype=np.float32)
         self._info = Info()
+        self.turn = RLock()  # of the thread that steps or resets it
 
     def __reduce__(self):
         """Copies and pickles of a transport that was not reset yet are made from its configuration.
@@ -138,6 +141,7 @@ class Transport:
         """Who carries."""
         return self.conditions.team
 
+    @one_thread_at_a_time
     def reset(
         self,
         *,
@@ -234,6 +238,7 @@ class Transport:
         obs, reward, terminated, truncated, info = self.advance(action, restart=restart)
         return obs.copy(), reward, terminated.copy(), truncated.copy(), copied(info)
 
+    @one_thread_at_a_time
     def advance(
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None
     ) -> tuple[npt.NDArray[np.float32], FloatArray, BoolArray, BoolArray, Info]:
@@ -245,6 +250,7 @@ class Transport:
             restart = booleans(restart, "restart", self.num_worlds)
         before = self._running(restart)
         clipped, applied = self._applied(action, before, restart)
+        self.transition = None  # an interrupted step leaves worlds that no episode goes on from
         self.world.step(sum_at_centre(applied, self.team.grips))
         next_state = self._state(before.next_state.goal, self._episodes.tick())
         success, truncated = self._episodes.judge(self.conditions, next_state)
@@ -279,7 +285,8 @@ class Transport:
         """The last transition; raises `ResetNeeded` unless a step may follow in every world."""
         if self.transition is None:
             raise ResetNeeded(
-                "reset must be called before the first step, got a step; call reset()"
+                "reset must be called before the first step and after one that broke off, got a "
+                "step; call reset()"
             )
         self._episodes.check_running(restart)
         return self.transition

@@ -3,9 +3,8 @@
 `pymunk.batch` is marked experimental upstream; everything used of it is in `_Shard`.
 """
 
-import os
+import weakref
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pymunk
@@ -16,6 +15,7 @@ from coopenv.errors import BodyLost
 from coopenv.physics import motion
 from coopenv.physics.body import Body
 from coopenv.physics.scene import WALL_THICKNESS, Scene
+from coopenv.physics.threads import side_by_side
 
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
 SOLVER_ITERATIONS = 10
@@ -88,9 +88,6 @@ class World:
             )
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
-        # pymunk and the compiled kernels release the interpreter lock, so shards run in parallel.
-        workers = min(len(self._shards), os.cpu_count() or 1)
-        self._pool = ThreadPoolExecutor(workers) if workers > 1 else None
 
     @property
     def spaces(self) -> list[pymunk.Space]:
@@ -150,9 +147,8 @@ class World:
             own = tuple(array[part] for array in before), tuple(array[part] for array in reached)
             self._shards[number].step(*own, self.substeps)
 
-        run = map if self._pool is None else self._pool.map
-        for _ in run(advance, range(len(self._shards))):
-            pass  # waits, and raises what a shard raised
+        # pymunk and the compiled kernels release the interpreter lock, so shards run in parallel.
+        side_by_side(advance, len(self._shards))
 
 
 class _Shard:
@@ -178,9 +174,9 @@ class _Shard:
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
         self._expected = np.zeros((len(bodies), 6))
-        self._command, self._commands = _buffer(len(bodies))
-        self._report, self._reports = _buffer(len(bodies))
-        self._names = batch.Buffer()
+        self._command, self._commands = _array_of(_buffer(self), len(bodies))
+        self._report, self._reports = _array_of(_buffer(self), len(bodies))
+        self._names = _buffer(self)
         self._rows = self._find_rows()
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
@@ -190,8 +186,9 @@ class _Shard:
             if scene == self._scenes[k]:
                 continue
             self._scenes[k] = scene
-            if self._obstacles[k]:
-                self.space.remove(*self._obstacles[k])
+            for obstacle in self._obstacles[k]:
+                self.space.remove(obstacle)
+                obstacle.body = None  # else the static body keeps it for good
             boxes = [box.vertices for box in scene.obstacles]
             self._obstacles[k] = self._build(boxes, self._origin[k], scene.friction)
 
@@ -204,6 +201,9 @@ class _Shard:
             assert old.body is not None
             self.space.remove(old, old.body)
             self._shapes[k] = self._add(k, x, y, angle)
+        # A step of no time moves nothing. It lets go of the shapes that were removed, which the
+        # space otherwise keeps until it steps, however often worlds are placed meanwhile.
+        self.space.step(0.0)
         self._rows = self._find_rows()
 
     def step(
@@ -284,14 +284,31 @@ def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
     )
 
 
-def _buffer(num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
-    """An array of six columns that pymunk reads and writes in place.
+_spare: list[batch.Buffer] = []  # of owners that are gone; pymunk never frees the memory of one
+
+
+def _buffer(owner: object) -> batch.Buffer:
+    """A buffer of pymunk's, for another owner once this one is gone."""
+    try:
+        buffer = _spare.pop()
+    except IndexError:
+        buffer = batch.Buffer()
+    weakref.finalize(owner, _give_back, buffer)
+    return buffer
+
+
+def _give_back(buffer: batch.Buffer) -> None:
+    buffer.set_float_buf(np.zeros(1))  # lets go of the owner's array
+    _spare.append(buffer)
+
+
+def _array_of(buffer: batch.Buffer, num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
+    """An array of six columns that pymunk reads and writes in place through ``buffer``.
 
     The static body takes a row after the others. One more stays empty: pymunk reallocates a
     buffer as soon as it is full, and this memory is NumPy's.
     """
     array = np.zeros((num_bodies + 2, 6))
-    buffer = batch.Buffer()
     buffer.set_float_buf(array)
     return array, buffer
 

@@ -1,0 +1,252 @@
+"""Forks, threads, processes and copies of cores and views: `docs/processes.md`."""
+
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from coopenv import Body, Scene, Transport, wrench
+from coopenv.arrays import FloatArray
+from coopenv.errors import BodyLost, CoreInUse, InvalidInput, ResetNeeded
+from coopenv.physics.world import SHARD_SIZE, World
+from tests.reliability.processes import in_fork, needs_fork
+
+TWO_SHARDS = 2 * SHARD_SIZE  # the fewest worlds that are stepped in threads
+
+
+def actions(count: int, steps: int = 3) -> FloatArray:
+    return np.random.default_rng(0).uniform(-1, 1, (steps, count, 2, 3))
+
+
+def started(count: int = TWO_SHARDS, **keywords: Any) -> Transport:
+    core = Transport(num_worlds=count, **keywords)
+    core.reset(seed=0)
+    return core
+
+
+def ride(core: Transport, steps: int = 3) -> npt.NDArray[np.float32]:
+    """Observations of some steps."""
+    return np.array([core.step(action)[0] for action in actions(core.num_worlds, steps)])
+
+
+class Waiting:
+    """A reward term during which another thread can act: the core is in the middle of a step."""
+
+    def __init__(self):
+        self.entered, self.leave = threading.Event(), threading.Event()
+        self.armed = False
+
+    def __call__(self, transition: Any) -> Any:
+        if self.armed:
+            self.armed = False
+            self.entered.set()
+            assert self.leave.wait(60)
+        return np.zeros((len(transition.success), 2))
+
+
+class UnderWay:
+    """A core that another thread is stepping for as long as the block lasts."""
+
+    def __init__(self, count: int):
+        self.term = Waiting()
+        self.core = started(count, reward=self.term)
+        self.found: list[Any] = []
+        self._thread = threading.Thread(target=self._step)
+
+    def _step(self) -> None:
+        self.found.append(self.core.step(actions(self.core.num_worlds)[0]))
+
+    def __enter__(self):
+        self.term.armed = True
+        self._thread.start()
+        assert self.term.entered.wait(60)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.term.leave.set()
+        self._thread.join(60)
+        assert not self._thread.is_alive()
+
+
+@needs_fork
+def test_a_core_steps_on_in_a_forked_child_and_to_the_same_bits(tmp_path):
+    core = started()
+    ride(core)
+    in_fork(lambda: np.save(tmp_path / "seen.npy", ride(core)))
+    np.testing.assert_array_equal(np.load(tmp_path / "seen.npy"), ride(core))
+
+
+@needs_fork
+def test_a_core_that_is_made_in_a_forked_child_steps():
+    expected = ride(started())
+    in_fork(lambda: np.testing.assert_array_equal(ride(started()), expected))
+
+
+@needs_fork
+def test_a_core_that_was_being_stepped_when_its_process_forked_says_so():
+    def child() -> None:
+        with pytest.raises(CoreInUse):
+            core.step(actions(1)[0])
+        ride(started(1))  # another one works
+
+    with UnderWay(1) as under_way:
+        core = under_way.core
+        in_fork(child)
+
+
+@pytest.mark.parametrize("count", [1, TWO_SHARDS])
+def test_a_second_thread_in_a_core_is_refused(count):
+    action = actions(count)[0]
+    with UnderWay(count) as under_way:
+        core = under_way.core
+        for call in (core.reset, lambda: core.step(action), lambda: core.advance(action)):
+            with pytest.raises(
+                CoreInUse, match=r"must be .* by one thread at a time, got a second"
+            ):
+                call()
+    alone = started(count)
+    np.testing.assert_array_equal(under_way.found[0][0], alone.step(action)[0])
+    np.testing.assert_array_equal(core.step(action)[0], alone.step(action)[0])
+
+
+def test_a_core_is_free_again_for_any_thread_after_a_step_that_raised():
+    core = started(1)
+    for wrong in (np.zeros(3), np.full((1, 2, 3), np.nan)):
+        with pytest.raises(InvalidInput):
+            core.step(wrong)
+    with pytest.raises(InvalidInput):
+        core.reset(goal=(1e9, 0, 0))
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(ride, core).result().shape[0] == 3
+
+
+@needs_fork
+@pytest.mark.parametrize("count", [1, TWO_SHARDS])
+def test_threads_that_race_for_a_core_do_not_crash(count):
+    def child() -> None:
+        core, until = started(count, horizon=10**6), time.monotonic() + 2.0
+        done: list[int] = []
+
+        def race(seed: int) -> None:
+            rng, steps = np.random.default_rng(seed), 0
+            while time.monotonic() < until:
+                try:
+                    if rng.random() < 0.1:
+                        core.reset()
+                    else:
+                        core.step(rng.uniform(-1, 1, (count, 2, 3)))
+                        steps += 1
+                except (CoreInUse, ResetNeeded):
+                    time.sleep(1e-4)
+            done.append(steps)
+
+        threads = [threading.Thread(target=race, args=(seed,)) for seed in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert sum(done) > 0
+        assert len(done) == 3
+
+    in_fork(child)
+
+
+def test_threads_with_a_core_each_get_the_bits_of_one_alone():
+    expected = ride(started())
+    with ThreadPoolExecutor(3) as pool:
+        for found in pool.map(lambda _: ride(started()), range(3)):
+            np.testing.assert_array_equal(found, expected)
+
+
+def test_a_step_that_fails_waits_for_all_shards(monkeypatch):
+    worlds = World([Body()] * TWO_SHARDS, [Scene()] * TWO_SHARDS, dt=0.05, substeps=2)
+    first, second = worlds._shards
+    at_work = threading.Event()
+    ended: list[bool] = []
+
+    def fail(*_: object) -> None:
+        assert at_work.wait(60)
+        raise BodyLost("lost")
+
+    def linger(*_: object) -> None:
+        at_work.set()
+        time.sleep(0.3)
+        ended.append(True)
+
+    monkeypatch.setattr(first, "step", fail)
+    monkeypatch.setattr(second, "step", linger)
+    with pytest.raises(BodyLost):
+        worlds.step(np.zeros((TWO_SHARDS, 3)))
+    assert ended
+
+
+def test_after_a_step_that_broke_off_no_episode_goes_on(monkeypatch):
+    core = started(2)
+    with monkeypatch.context() as patched:
+        patched.setattr(core.world, "step", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            core.step(actions(2)[0])
+    with pytest.raises(ResetNeeded, match="after one that broke off"):
+        core.step(actions(2)[0])
+    core.reset(seed=0)
+    np.testing.assert_array_equal(ride(core), ride(started(2)))
+
+
+def interrupted(_: Any) -> None:
+    raise KeyboardInterrupt
+
+
+PAIR = np.array([[-0.9, 0.0], [0.9, 0.0]])
+CASES: dict[str, tuple[FloatArray, int, dict[str, Any]]] = {  # grips, wrenches, settings
+    "pair on an axis": (PAIR, 20_000, {}),
+    "pair off an axis": (np.array([[-0.9, 0.1], [0.7, 0.3]]), 20_000, {}),
+    "structured, in space": (np.random.default_rng(1).normal(size=(4, 3)), 300, {}),
+    "conic": (PAIR, 10, {"solver": "conic"}),
+    "max_internal": (PAIR, 10, {"method": "max_internal"}),
+    "virtual_linkage": (PAIR, 1000, {"method": "virtual_linkage"}),
+}
+
+
+def decomposer(case: str) -> tuple[wrench.Decomposer, FloatArray]:
+    grips, count, settings = CASES[case]
+    size = 3 if grips.shape[1] == 2 else 6
+    applied = np.random.default_rng(0).normal(size=(count, len(grips), size))
+    if settings.get("method") == "max_internal":
+        applied[..., 2:] = 0.0  # splits forces only
+    return wrench.Decomposer(grips, wrench.Settings(**settings)), applied
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_threads_may_share_a_decomposer(case):
+    split, applied = decomposer(case)
+    expected = split(applied)
+    with ThreadPoolExecutor(3) as pool:
+        for found in pool.map(lambda _: split(applied), range(6)):
+            np.testing.assert_array_equal(found.manipulation, expected.manipulation)
+            np.testing.assert_array_equal(found.relative_cost, expected.relative_cost)
+
+
+@needs_fork
+@pytest.mark.parametrize("case", CASES)
+def test_a_decomposer_works_in_a_forked_child(case):
+    split, applied = decomposer(case)
+    expected = split(applied).manipulation
+
+    def child() -> None:
+        np.testing.assert_array_equal(split(applied).manipulation, expected)
+        again, _ = decomposer(case)
+        np.testing.assert_array_equal(again(applied).manipulation, expected)
+
+    in_fork(child)
+
+
+def test_threads_may_ask_one_decomposition_at_the_same_time():
+    split, applied = decomposer("pair on an axis")
+    alone, shared = split(applied), split(applied)
+    with ThreadPoolExecutor(4) as pool:
+        for found in pool.map(lambda _: shared.relative_cost + shared.internal[:, 0, 0], range(8)):
+            np.testing.assert_array_equal(found, alone.relative_cost + alone.internal[:, 0, 0])
