@@ -62,3 +62,96 @@ def test_environments_that_come_and_go_leave_nothing_behind(name):
 
     times = 200 // len(makers) + 1
     check_flat(growth(come_and_go, warm_up=5, times=times), fewer_than=50, c_bytes=40_000)
+
+
+def test_pictures_leave_nothing_behind():
+    env: Any = gymnasium.make("coopenv/BeamDoorway-v0", render_mode="rgb_array")
+    env.reset(seed=0)
+
+    def draw() -> None:
+        env.step(env.action_space.sample())
+        env.render()
+
+    # Far less than one picture: the library of fonts keeps each letter that it has drawn.
+    check_flat(growth(draw, warm_up=10, times=100), fewer_than=50, c_bytes=400_000)
+
+
+class Gymnasiums:
+    """A Gymnasium environment, its episodes one after the other."""
+
+    per_call = 1
+
+    def __init__(self, name: str):
+        self.env: Any = gymnasium.make(name)
+        self.env.reset(seed=0)
+
+    def step(self) -> None:
+        if any(self.env.step(self.env.action_space.sample())[2:4]):
+            self.env.reset()
+
+
+class Vectors:
+    """A Gymnasium vector of many worlds."""
+
+    per_call = 200
+
+    def __init__(self, name: str):
+        self.env: Any = gymnasium.make_vec(name, num_envs=self.per_call)
+        self.env.reset(seed=0)
+
+    def step(self) -> None:
+        self.env.step(self.env.action_space.sample())
+
+
+class Parallels:
+    """PettingZoo's parallel view."""
+
+    per_call = 1
+
+    def __init__(self, name: str):
+        module: Any = PARALLEL[name]
+        self.env: Any = module.parallel_env()
+        self.env.reset(seed=0)
+
+    def step(self) -> None:
+        if not self.env.agents:
+            self.env.reset()
+        self.env.step({one: self.env.action_space(one).sample() for one in self.env.agents})
+
+
+class Turns(Parallels):
+    """PettingZoo's view in which agents act in turn."""
+
+    def __init__(self, name: str):
+        module: Any = PARALLEL[name]
+        self.env: Any = module.env()
+        self.env.reset(seed=0)
+
+    def step(self) -> None:
+        for one in self.env.possible_agents:
+            *_, terminated, truncated, _ = self.env.last()
+            if terminated or truncated:
+                self.env.reset()
+                return
+            self.env.step(self.env.action_space(one).sample())
+
+
+class Stable(Vectors):
+    """The vector of Stable-Baselines3."""
+
+    def __init__(self, name: str):
+        sb3 = pytest.importorskip("coopenv.agents.sb3")
+        self.env = sb3.make_vec_env(name, self.per_call)
+        self.env.reset()
+
+    def step(self) -> None:
+        self.env.step(np.stack([self.env.action_space.sample()] * self.per_call))
+
+
+@pytest.mark.parametrize("view", [Gymnasiums, Vectors, Parallels, Turns, Stable])
+@pytest.mark.parametrize("steps", [1000, pytest.param(10**6, marks=pytest.mark.slow)])
+def test_steps_of_a_view_leave_nothing_behind(view, steps):
+    viewed = view("coopenv/BeamDoorway-v0")
+    warm_up = max(1000 // viewed.per_call, 20)
+    grown = growth(viewed.step, warm_up=warm_up, times=max(steps // viewed.per_call, 50))
+    check_flat(grown, fewer_than=50, c_bytes=100_000)

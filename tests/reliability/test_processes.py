@@ -1,10 +1,12 @@
 """Forks, threads, processes and copies of cores and views: `docs/processes.md`."""
 
+import os
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -12,7 +14,10 @@ import pytest
 from coopenv import Body, Scene, Transport, wrench
 from coopenv.arrays import FloatArray
 from coopenv.errors import BodyLost, CoreInUse, InvalidInput, ResetNeeded
+from coopenv.logs import Layout, decompose_file
 from coopenv.physics.world import SHARD_SIZE, World
+from tests.helpers import IDS
+from tests.logs import cases
 from tests.reliability.processes import in_fork, needs_fork
 
 TWO_SHARDS = 2 * SHARD_SIZE  # the fewest worlds that are stepped in threads
@@ -250,3 +255,32 @@ def test_threads_may_ask_one_decomposition_at_the_same_time():
     with ThreadPoolExecutor(4) as pool:
         for found in pool.map(lambda _: shared.relative_cost + shared.internal[:, 0, 0], range(8)):
             np.testing.assert_array_equal(found, alone.relative_cost + alone.internal[:, 0, 0])
+
+
+def test_recordings_are_decomposed_in_threads_and_in_forked_children(tmp_path):
+    for needed in ("pyarrow", "pandas"):
+        pytest.importorskip(needed)
+    path = cases.save(cases.planar(rows=300), tmp_path / "trial.csv")
+
+    def table(number: int) -> bytes:
+        out = tmp_path / f"out{number}.csv"
+        decompose_file(path, out, layout=Layout(grips=cases.BEAM), picture=False)
+        return out.read_bytes()
+
+    expected = table(0)
+    with ThreadPoolExecutor(3) as pool:
+        assert list(pool.map(table, range(1, 4))) == [expected] * 3
+    if hasattr(os, "fork"):
+        in_fork(lambda: table(4))
+        assert (tmp_path / "out4.csv").read_bytes() == expected
+
+
+@needs_fork
+@pytest.mark.parametrize("name", IDS)
+def test_a_vector_steps_on_in_a_forked_child_and_the_parent_goes_on(name, tmp_path):
+    venv: Any = gymnasium.make_vec(name, num_envs=TWO_SHARDS, partner="noisy")
+    venv.reset(seed=0)
+    action = np.random.default_rng(0).uniform(-1, 1, venv.action_space.shape)
+    venv.step(action)
+    in_fork(lambda: np.save(tmp_path / "seen.npy", venv.step(action)[0]))
+    np.testing.assert_array_equal(np.load(tmp_path / "seen.npy"), venv.step(action)[0])
