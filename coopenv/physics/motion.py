@@ -23,6 +23,7 @@ from numpy.polynomial.legendre import leggauss
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
+from coopenv.physics.contacts import spent, yielded
 
 _NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
 _FINE, _FINE_WEIGHTS = (1 + leggauss(64)[0]) / 2, leggauss(64)[1] / 2  # integrates the table
@@ -36,8 +37,6 @@ MASS, INERTIA, WHEELS, REACH = 18, 19, 20, 21
 NUM_COEFFICIENTS = 22
 # On wheels, in place of NODE_SPEED and NODE_PATH: path a unit of speed, and of force, by node.
 NODE_ROLL, NODE_PUSH = NODE_SPEED, NODE_PATH
-
-_LOCKED = 1e-6  # part of a contact's mobility: if wheels leave less, nothing moves
 
 
 def coefficients(
@@ -159,29 +158,6 @@ def _turned(table, k, motion):
 
 
 @compiled
-def yielded(table, k, along, dx, dy, spin):
-    """How a body on wheels answers contacts that would change a free body's twist as given.
-
-    Contacts give the impulse P and the angular impulse L that stop a free body (``dx``, ``dy``,
-    ``spin`` are the changes). Wheels give way only to the part of P along the heading (``along``),
-    so the same P and L would not stop a body on wheels. Both are therefore scaled up by one factor,
-    such that the contact loses as much speed as with a free body. No energy is gained by that.
-
-    Returns
-    -------
-    The change of forward speed and of spin, and the factor by which the impulse is larger. Where
-    neither rolling nor turning gives way, nothing changes.
-    """
-    turning = table[k, INERTIA] * spin * spin
-    free = table[k, MASS] * (dx * dx + dy * dy) + turning
-    rolling = table[k, MASS] * along * along + turning
-    if rolling <= _LOCKED * free:
-        return 0.0, 0.0, 1.0
-    factor = free / rolling
-    return factor * along, factor * spin, factor
-
-
-@compiled
 def drive(rows, table, pose, twist, wrench, step, command, expected):
     """Fill pymunk's buffer so that its own integrator lands where `advance` does.
 
@@ -228,7 +204,8 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
 
     The impulse of a substep is the least total of contact impulses that explains the change of
     momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
-    A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x.
+    A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x. No
+    body takes more of them than `spent` says: contacts give no energy.
 
     pymunk parts what overlaps by moving the body apart from its velocity, in the substep after it
     found the overlap: no momentum, so no impulse. The shift of a substep is how far that moved the
@@ -267,13 +244,19 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
         if speed > rounding or abs(spin) > rounding:
             push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / table[k, REACH])
+            mass, inertia = table[k, MASS], table[k, INERTIA]
+            vx, vy = expected[k, 0], expected[k, 1]
             if table[k, WHEELS]:
                 along, _ = rotated_back(c, s, dx, dy)
-                along, spin, factor = yielded(table, k, along, dx, dy, spin)
+                along, spin, factor = yielded(mass, inertia, along, dx, dy, spin)
                 push *= factor
-                rolling += along
-                twist[k, 2] = expected[k, 2] + spin
-            impulse[k] += push
+                vx, vy, dx, dy = rolling, 0.0, along, 0.0  # along its x and across
+            part = spent(mass, inertia, (vx, vy, expected[k, 2]), (dx, dy, spin))
+            if part < 1 or table[k, WHEELS]:
+                twist[k, 0], twist[k, 1] = vx + part * dx, vy + part * dy
+                twist[k, 2] = expected[k, 2] + part * spin
+                rolling = twist[k, 0]
+            impulse[k] += part * push
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
         if not (abs(pose[k, 0]) <= farthest_x and abs(pose[k, 1]) <= farthest_y):  # or NaN

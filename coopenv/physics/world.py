@@ -20,6 +20,10 @@ from coopenv.physics.threads import side_by_side
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
 SOLVER_ITERATIONS = 10
 COLLISION_SLOP = 1e-3  # [m] overlap left alone; pymunk's default of 0.1 is meant for pixels
+# Substeps without contact after which its impulse is forgotten. In the first substep of a contact
+# pymunk does not apply a remembered impulse but takes it back all the same, friction's part too:
+# under the default of 3 a body that touched a wall again was pulled or pushed by an old impact.
+COLLISION_PERSISTENCE = 1
 
 _REPORT = (
     batch.BodyFields.POSITION
@@ -162,6 +166,7 @@ class _Shard:
         self.space = pymunk.Space()
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
+        self.space.collision_persistence = COLLISION_PERSISTENCE
         self._origin = _grid(scenes, reach)
         bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
         self._rooms = np.concatenate([self._origin, bounds], axis=1)

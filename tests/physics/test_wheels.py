@@ -8,7 +8,7 @@ from scipy.integrate import quad, solve_ivp
 
 from coopenv import Body, Box, Scene, Transport
 from coopenv.errors import InvalidInput
-from coopenv.physics import motion
+from coopenv.physics import contacts, motion
 from coopenv.physics.world import World
 from tests.helpers import OPEN_ROOM
 
@@ -219,7 +219,6 @@ def test_contacts_of_a_rolling_body_take_the_approach_out_of_it():
     # A free body's answer to a frictionless impulse P at r is (P/m, r × P / J). Scaled for wheels,
     # the contact point must lose the same normal velocity.
     generator = np.random.default_rng(3)
-    table = walker_table()
     for _ in range(200):
         heading, direction = generator.uniform(-np.pi, np.pi, 2)
         arm, normal = (
@@ -229,7 +228,7 @@ def test_contacts_of_a_rolling_body_take_the_approach_out_of_it():
         lever = arm[0] * normal[1] - arm[1] * normal[0]
         free = np.array([*(normal / 25.0), lever / 4.17])
         forward = np.array([np.cos(heading), np.sin(heading)])
-        along, spin, factor = motion.yielded(table, 0, forward @ free[:2], *free)
+        along, spin, factor = contacts.yielded(25.0, 4.17, forward @ free[:2], *free)
         lost = free[:2] @ normal + lever * free[2]
         assert along * (normal @ forward) + lever * spin == pytest.approx(lost, rel=1e-9)
         assert factor >= 1.0
