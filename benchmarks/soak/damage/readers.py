@@ -1,0 +1,176 @@
+"""What coopenv reads from files, each with a whole file and the function that reads it."""
+
+import contextlib
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from benchmarks.soak.commands.scenes import RUN, STEPS, TRAIN, inputs, undisturbed
+from benchmarks.soak.commands.server import Task, server
+from coopenv.agents.evaluate import evaluate
+from coopenv.agents.sb3 import SB3Policy
+from coopenv.agents.settings import TrainConfig
+from coopenv.cli import main
+from coopenv.cli.evaluate import Evaluate
+from coopenv.cli.train import Train
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
+from coopenv.logs import Layout, decompose_file
+
+BEAM = Layout(grips=(-0.9, 0.0, 0.9, 0.0))
+SETTINGS = """\
+env = "coopenv/BeamDoorway-v0"
+horizon = 50
+observe = ["goal", "twist", "own_wrench"]
+
+[body]
+mass = 5.0
+grips = [[-0.9, 0.0], [0.9, 0.0]]
+
+[scene]
+size = [8.0, 6.0]
+
+[randomise]
+mass = [4.0, 9.0]
+
+[training]
+steps = 20000
+learning_rate = 3e-4
+hidden = [32, 32]
+
+[evaluation]
+episodes = 10
+num_worlds = 5
+"""
+LAYOUT = """\
+grips = [[-0.9, 0.0], [0.9, 0.0]]
+frame = "world"
+force = "kN"
+angle = "deg"
+trial_columns = ["pair"]
+
+[columns]
+f1x = "Fx_left"
+f1y = "-Fy_left"
+time = "t"
+"""
+LAYOUT_JSON = (
+    '{"grips": [-0.9, 0.0, 0.9, 0.0], "y": "down", "columns": {"f1x": "-Fx", "time": ""}}\n'
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reader:
+    """A kind of file."""
+
+    name: str
+    file: str
+    """What it is called; its suffix says the format."""
+    whole: Callable[[], bytes]
+    read: Callable[[Path], object]
+    """Raises one of coopenv's errors, or reads all of it."""
+
+
+def decompose(path: Path) -> None:
+    """A recording, to a table."""
+    out = path.with_name(f"out{path.suffix}")
+    decompose_file(path, out, layout=BEAM, picture=False)
+
+
+def act(path: Path) -> None:
+    """A policy, for two short episodes."""
+    policy = SB3Policy.load(path)
+    config = environment()
+    evaluate(policy, config, episodes=2, num_worlds=2)
+
+
+@cache
+def environment() -> TransportConfig:
+    """That of the training."""
+    return TrainConfig.from_dict(_settings()).environment.config()
+
+
+def _settings() -> dict:
+    import json
+
+    given = json.loads(_of_run("config.json"))
+    given.pop("provenance")
+    return given
+
+
+def go_on(path: Path) -> None:
+    """A training that finds the file in its folder."""
+    run = path.parent / RUN
+    run.mkdir()
+    path.rename(run / path.name)
+    words = TRAIN.words.replace(f"--steps {STEPS}", f"--steps {STEPS + 80}").split()
+    said(Task(folder=str(path.parent), arguments=(*words, "--no-gif")))
+
+
+def said(task: Task) -> None:
+    """Run a command that succeeds, or raise `InvalidInput` with its one sentence."""
+    ended = server().run(task)
+    if not ended.code:
+        return
+    lines = ended.err.splitlines()
+    assert ended.code == 1 and len(lines) == 1 and lines[0].startswith("coopenv: "), str(ended)
+    raise InvalidInput(lines[0])
+
+
+def evaluate_file(path: Path) -> None:
+    """A policy on the command line."""
+    words = ("evaluate", str(path), "--episodes", "2", "--num-worlds", "2")
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main(words)
+    if code:
+        lines = err.getvalue().splitlines()
+        assert code == 1 and len(lines) == 1 and lines[0].startswith("coopenv: "), err.getvalue()
+        raise InvalidInput(lines[0])
+
+
+def _of_run(name: str) -> bytes:
+    return undisturbed(TRAIN).files[f"{RUN}/{name}"]
+
+
+READERS = (
+    *(
+        Reader(
+            name="recordings",
+            file=name,
+            whole=lambda name=name: inputs()[name],
+            read=decompose,
+        )
+        for name in ("a.csv", "a.npz", "a.parquet")
+    ),
+    Reader(name="layouts", file="a.toml", whole=LAYOUT.encode, read=Layout.load),
+    Reader(name="layouts", file="a.json", whole=LAYOUT_JSON.encode, read=Layout.load),
+    Reader(name="settings", file="a.toml", whole=SETTINGS.encode, read=Train.configured),
+    Reader(name="settings", file="a.toml", whole=SETTINGS.encode, read=Evaluate.configured),
+    Reader(
+        name="settings",
+        file="config.json",
+        whole=lambda: _of_run("config.json"),
+        read=Train.configured,
+    ),
+    Reader(
+        name="settings",
+        file="config.json",
+        whole=lambda: _of_run("config.json"),
+        read=TrainConfig.load,
+    ),
+    Reader(
+        name="environments",
+        file="environment.json",
+        whole=lambda: environment().to_json().encode(),
+        read=lambda path: TransportConfig.from_json(path.read_text(errors="surrogateescape")),
+    ),
+    Reader(name="policies", file="policy.zip", whole=lambda: _of_run("policy.zip"), read=act),
+    Reader(
+        name="policies", file="policy.zip", whole=lambda: _of_run("policy.zip"), read=evaluate_file
+    ),
+    Reader(name="runs", file="policy.zip", whole=lambda: _of_run("policy.zip"), read=go_on),
+    Reader(name="runs", file="checkpoint.zip", whole=lambda: _of_run("policy.zip"), read=go_on),
+)

@@ -1,0 +1,82 @@
+"""Campaign of damaged files of every format that coopenv reads.
+
+A damaged file is read whole or answered with one sentence by an error of coopenv's; nothing is left
+beside it. A damaged cache of compiled code is made anew.
+"""
+
+import warnings
+from pathlib import Path
+from shutil import rmtree
+
+import numpy as np
+
+from benchmarks.soak.commands import compiling
+from benchmarks.soak.commands.server import server
+from benchmarks.soak.damage.mutations import damaged
+from benchmarks.soak.damage.readers import READERS, Reader
+from coopenv.errors import CoopenvError
+
+NAME = "damaged"
+SHARE = 0.1
+FILES = 12  # a trial
+CACHE = 0.05  # of the trials are about the cache of compiled code
+
+
+def trial(seed: int, folder: Path) -> dict[str, int]:
+    """A few damaged files of one kind."""
+    rng = np.random.default_rng([4, seed])
+    if rng.random() < CACHE:
+        return _damage_cache(rng, folder)
+    reader = READERS[rng.integers(len(READERS))]
+    refused = 0
+    for number in range(FILES):
+        place = folder / str(number)
+        place.mkdir()
+        content = damaged(reader.whole(), rng, Path(reader.file).suffix)
+        refused += is_refused(reader, content, place)
+        rmtree(place)
+    return {"damaged_files": FILES, "refused_files": refused}
+
+
+def is_refused(reader: Reader, content: bytes, folder: Path) -> bool:
+    """Whether a sentence says that the file is damaged; raise where it is answered otherwise."""
+    path = folder / reader.file
+    path.write_bytes(content)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            reader.read(path)
+        except CoopenvError as error:
+            said = str(error)
+        except AssertionError:
+            raise
+        except Exception as error:
+            kind = type(error).__name__
+            raise AssertionError(f"a damaged {reader.file} raises {kind}: {error}") from error
+        else:
+            return False
+    assert len(said.splitlines()) == 1, f"a damaged {reader.file} is told in lines: {said!r}"
+    left = [each.name for each in folder.rglob("*") if each.name.startswith((".", "out"))]
+    assert not [name for name in left if not name.endswith("lock")], f"left over: {left}"
+    return True
+
+
+def _damage_cache(rng: np.random.Generator, folder: Path) -> dict[str, int]:
+    """Cut, empty or overwrite files of a compile cache, again and again."""
+    task = compiling.task(folder)
+    compiling.check(server().run(task))
+    changed = 0
+    for _ in range(3):
+        files = compiling.cache_files(folder)
+        for path in rng.permutation(np.array(files, dtype=object))[: rng.integers(1, 4)]:
+            path.write_bytes(_ruined(path.read_bytes(), rng))
+            changed += 1
+        compiling.check(server().run(task))
+        compiling.check(server().run(task))  # healed, it comes from the cache
+    return {"damaged_files": changed}
+
+
+def _ruined(content: bytes, rng: np.random.Generator) -> bytes:
+    """Half a file, none, zeros or noise; a flipped bit in machine code could not be told."""
+    half = content[: int(rng.integers(len(content)))]
+    return (half, b"", bytes(len(content)), rng.bytes(len(content)))[rng.integers(4)]

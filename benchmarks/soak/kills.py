@@ -1,0 +1,114 @@
+"""Campaign of kills: commands that end at any moment, by SIGKILL and SIGTERM.
+
+A trial starts a command in a folder, kills it after a random time, looks at the files, does so a
+few times and then lets it end. Every file is what it was, or what it should be, at any time; what
+was trained is not lost; the last run ends as one that nobody disturbed and leaves nothing else.
+"""
+
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.soak.commands import compiling, training
+from benchmarks.soak.commands.scenes import (
+    SCENES,
+    TRAIN,
+    Scene,
+    check_end,
+    check_files,
+    files_in,
+    is_left_over,
+    undisturbed,
+)
+from benchmarks.soak.commands.server import Ended, Task, server
+
+NAME = "kills"
+SHARE = 0.2
+KILLS = 4  # a trial
+WAIT = 60.0  # [s] at most for its moment
+SIGNALS = (signal.SIGKILL, signal.SIGTERM)
+STOPPED = (128 + signal.SIGTERM, -signal.SIGTERM)  # exit codes of a command that was told to end
+TRAINED, COMPILED = 0.4, 0.15  # of the trials
+OLD = b"what was there before\n"
+
+
+def trial(seed: int, folder: Path) -> dict[str, int]:
+    """One command, killed a few times."""
+    rng = np.random.default_rng([2, seed])
+    kind = rng.random()
+    if kind < COMPILED:
+        kills = _kill_compiling(rng, folder)
+    else:
+        others = [scene for scene in SCENES if scene is not TRAIN]
+        is_training = kind < COMPILED + TRAINED
+        scene = TRAIN if is_training else others[rng.integers(len(others))]
+        kills = _kill_command(scene, rng, folder)
+    return {"kills": kills}
+
+
+def _kill_command(scene: Scene, rng: np.random.Generator, folder: Path) -> int:
+    whole = undisturbed(scene)
+    scene.prepare(folder)
+    old = {name: content for name, content in whole.files.items() if name in scene.inputs}
+    if not scene.is_training:
+        old |= {name: OLD for name in whole.files if name not in old and rng.random() < 0.5}
+    for name, content in old.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_bytes(content)
+    kills = steps = 0
+    for _ in range(KILLS):
+        ended = killed(scene.task(folder), rng, whole.seconds)
+        try:
+            check_words(ended)
+            check_files(scene, folder, old)
+            if ended.code > 0:  # it cleaned up behind itself
+                check_clean(folder)
+            if scene.is_training:
+                steps = training.check_progress(folder, steps)
+        except AssertionError as error:
+            raise AssertionError(f"{error}\nafter {ended}") from error
+        kills += ended.code != 0
+    ended = scene.run(folder)
+    assert ended.code == 0, f"the run after {kills} kills fails: {ended}"
+    check_end(scene, folder)
+    if scene.is_training:
+        training.check_finished(folder)
+    return kills
+
+
+def _kill_compiling(rng: np.random.Generator, folder: Path) -> int:
+    task = compiling.task(folder)
+    kills = 0
+    for _ in range(KILLS):
+        ended = killed(task, rng, compiling.seconds())
+        check_words(ended)
+        kills += ended.code != 0
+    compiling.check(server().run(task))
+    compiling.check(server().run(task))  # from the cache alone
+    return kills
+
+
+def killed(task: Task, rng: np.random.Generator, seconds: float) -> Ended:
+    """Start a command, and end it at a moment of the ``seconds`` of processor time it takes."""
+    number = SIGNALS[rng.integers(len(SIGNALS))]
+    delay = rng.uniform(0.0, seconds)
+    child = server().start(task)
+    latest = time.monotonic() + WAIT
+    while child.seconds() < delay and time.monotonic() < latest:
+        time.sleep(0.001)
+    child.kill(number)
+    return child.wait()
+
+
+def check_words(ended: Ended) -> None:
+    """Raise unless it ended well, by the signal, or as one that was told to end."""
+    assert ended.code in (0, -signal.SIGKILL, *STOPPED), f"a kill ends it otherwise: {ended}"
+    assert "Traceback" not in ended.err, f"a kill shows a traceback: {ended}"
+
+
+def check_clean(folder: Path) -> None:
+    """Raise where temporary files are left."""
+    left = [name for name in files_in(folder) if is_left_over(name)]
+    assert not left, f"SIGTERM leaves {', '.join(left)}"
