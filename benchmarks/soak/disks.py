@@ -21,7 +21,7 @@ from benchmarks.soak.commands.scenes import (
     is_left_over,
     undisturbed,
 )
-from benchmarks.soak.commands.server import Ended
+from benchmarks.soak.commands.server import Ended, is_sentence
 
 NAME = "disks"
 SHARE = 0.1
@@ -76,9 +76,8 @@ def _check(scene: Scene, folder: Path, old: dict[str, bytes], ended: Ended) -> b
     left = [name for name in files_in(folder) if is_left_over(name)]
     assert not left, f"a failure leaves {', '.join(left)}"
     if ended.code:
-        lines = ended.err.splitlines()
         assert ended.code == 1, f"a failure has exit code {ended.code}"
-        assert len(lines) == 1 and lines[0].startswith("coopenv: "), "a failure is no sentence"
+        assert is_sentence(ended.err), "a failure is no sentence"
     else:
         assert not ended.err, "something was said, and the exit code is 0"
         found = files_in(folder)

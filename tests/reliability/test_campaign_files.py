@@ -2,14 +2,17 @@
 
 import os
 import signal
+import sys
 
 import numpy as np
 import pytest
 
-for needed in ("tyro", "rich", "matplotlib", "pandas", "statsmodels", "pyarrow", "torch"):
-    pytest.importorskip(needed)
-if not hasattr(os, "fork") or not os.path.exists("/proc/self/task"):
-    pytest.skip("commands are forked, on Linux", allow_module_level=True)
+pytest.importorskip("resource")
+pytest.importorskip("tyro")
+pytest.importorskip("matplotlib")
+pytest.importorskip("pyarrow")
+pytest.importorskip("statsmodels")
+pytest.importorskip("stable_baselines3")
 
 from benchmarks.soak import damaged, disks, kills
 from benchmarks.soak.commands import whole
@@ -17,6 +20,8 @@ from benchmarks.soak.commands.scenes import SCENES, check_end, check_files
 from benchmarks.soak.commands.server import server
 from benchmarks.soak.damage.mutations import damaged as damage
 from benchmarks.soak.damage.readers import READERS
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="children are forked and watched")
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])  # compiling, a decomposition, a training
@@ -80,7 +85,7 @@ def test_torn_and_foreign_files_are_told(tmp_path):
     with pytest.raises(AssertionError, match=r"table\.csv was there and is lost"):
         check_files(scene, tmp_path, {"table.csv": b""})
     (tmp_path / ".left-over").touch()
-    with pytest.raises(AssertionError, match="leaves .left-over"):
+    with pytest.raises(AssertionError, match=r"leaves \.left-over"):
         check_end(scene, tmp_path)
 
 

@@ -134,7 +134,8 @@ class Server:
     def start(self, task: Task) -> Child:
         """Begin a command; one at a time."""
         asked, replies = self._process.stdin, self._process.stdout
-        assert asked is not None and replies is not None
+        assert asked is not None
+        assert replies is not None
         print(json.dumps(asdict(task)), file=asked, flush=True)
         return Child(task, int(_line(replies)["pid"]), replies)
 
@@ -155,6 +156,11 @@ def server() -> Server:
     return Server()
 
 
+def is_sentence(said: str) -> bool:
+    """Whether it is the one line with which the program refuses something."""
+    return said.startswith("coopenv: ") and len(said.splitlines()) == 1
+
+
 def _paths() -> list[str]:
     given = os.environ.get("PYTHONPATH")
     return [given] if given else []
@@ -170,11 +176,10 @@ def _line(replies: IO[str]) -> dict[str, Any]:
 def _import_all() -> None:
     """Import what commands import when they run, so that no child has to."""
     import matplotlib.backends.backend_agg
-    import pandas
-    import pyarrow.csv
-    import pyarrow.parquet
-    import statsmodels.formula.api
-    import tensorboard.compat.tensorflow_stub
+    import pandas  # noqa: F401
+    import pyarrow.parquet  # noqa: F401
+    import statsmodels.formula.api  # noqa: F401
+    import tensorboard.compat.tensorflow_stub  # noqa: F401
     import torch
 
     import coopenv.agents.record
@@ -222,7 +227,7 @@ def _serve() -> None:
     _import_all()
     _warm_up()
     gc.collect()
-    gc.freeze()  # what was imported is not looked through again, which would copy it into each child
+    gc.freeze()  # else each child looks through what was imported, and copies it by that
     replies = os.fdopen(os.dup(sys.stdout.fileno()), "w")
     for line in iter(sys.stdin.readline, ""):
         task = Task(**json.loads(line))

@@ -131,7 +131,7 @@ def _somewhere(document: Any, rng: np.random.Generator) -> tuple[Any, Any]:
 
 
 def _other_archive(content: bytes, rng: np.random.Generator) -> bytes:
-    """An archive whose sums are right, in which a member is damaged, missing or called otherwise."""
+    """An archive whose sums are right, with a member damaged, missing or misnamed."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = {name: archive.read(name) for name in archive.namelist()}

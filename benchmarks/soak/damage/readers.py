@@ -1,18 +1,17 @@
 """What coopenv reads from files, each with a whole file and the function that reads it."""
 
-import contextlib
-import io
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from benchmarks.soak.commands.scenes import RUN, STEPS, TRAIN, inputs, undisturbed
-from benchmarks.soak.commands.server import Task, server
+from benchmarks.soak.commands.server import Task, is_sentence, server
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.sb3 import SB3Policy
 from coopenv.agents.settings import TrainConfig
-from coopenv.cli import main
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.train import Train
 from coopenv.config import TransportConfig
@@ -92,9 +91,7 @@ def environment() -> TransportConfig:
     return TrainConfig.from_dict(_settings()).environment.config()
 
 
-def _settings() -> dict:
-    import json
-
+def _settings() -> dict[str, Any]:
     given = json.loads(_of_run("config.json"))
     given.pop("provenance")
     return given
@@ -112,23 +109,16 @@ def go_on(path: Path) -> None:
 def said(task: Task) -> None:
     """Run a command that succeeds, or raise `InvalidInput` with its one sentence."""
     ended = server().run(task)
-    if not ended.code:
-        return
-    lines = ended.err.splitlines()
-    assert ended.code == 1 and len(lines) == 1 and lines[0].startswith("coopenv: "), str(ended)
-    raise InvalidInput(lines[0])
+    if ended.code:
+        assert ended.code == 1, str(ended)
+        assert is_sentence(ended.err), str(ended)
+        raise InvalidInput(ended.err.rstrip())
 
 
 def evaluate_file(path: Path) -> None:
     """A policy on the command line."""
-    words = ("evaluate", str(path), "--episodes", "2", "--num-worlds", "2")
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = main(words)
-    if code:
-        lines = err.getvalue().splitlines()
-        assert code == 1 and len(lines) == 1 and lines[0].startswith("coopenv: "), err.getvalue()
-        raise InvalidInput(lines[0])
+    words = ("evaluate", path.name, "--episodes", "2", "--num-worlds", "2")
+    said(Task(folder=str(path.parent), arguments=words))
 
 
 def _of_run(name: str) -> bytes:
