@@ -12,10 +12,10 @@ import numpy as np
 from benchmarks.soak.commands import training
 from benchmarks.soak.commands.faults import ERRORS, KINDS
 from benchmarks.soak.commands.scenes import (
+    OLD,
     SCENES,
     TRAIN,
     Scene,
-    check_end,
     check_files,
     files_in,
     is_left_over,
@@ -29,21 +29,13 @@ FAULTS = 3  # a trial
 CALLS = {"open": 12, "write": 6, "fsync": 12, "rename": 6, "mkdir": 3}  # about so many in a command
 TRAINED = 4  # times as many in a training
 SIZES = 3.3, 5.3  # powers of ten between which the largest file lies [byte]; below, words are cut
-OLD = b"what was there before\n"
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:
     """One command on a disk that fails a few times, and then no more."""
     rng = np.random.default_rng([3, seed])
     scene = TRAIN if rng.random() < 0.3 else SCENES[rng.integers(len(SCENES))]
-    whole = undisturbed(scene)
-    scene.prepare(folder)
-    old = {name: content for name, content in whole.files.items() if name in scene.inputs}
-    if not scene.is_training:
-        old |= {name: OLD for name in whole.files if name not in old and rng.random() < 0.5}
-    for name, content in old.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_bytes(content)
+    old = scene.prepare(folder, rng)
     failures = steps = 0
     for _ in range(FAULTS):
         fault = _fault(rng, TRAINED if scene.is_training else 1)
@@ -54,11 +46,7 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
                 steps = training.check_progress(folder, steps)
         except AssertionError as error:
             raise AssertionError(f"{error}\n{fault}: {ended}") from error
-    ended = scene.run(folder)
-    assert ended.code == 0, f"the run after {failures} failures fails: {ended}"
-    check_end(scene, folder)
-    if scene.is_training:
-        training.check_finished(folder)
+    training.finish(scene, folder, f"{failures} failures")
     return {"failed_writes": failures}
 
 

@@ -11,18 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.soak.commands import compiling, training
+from benchmarks.soak.commands import cold, compiling, training
 from benchmarks.soak.commands.scenes import (
     SCENES,
     TRAIN,
     Scene,
-    check_end,
     check_files,
     files_in,
     is_left_over,
     undisturbed,
 )
-from benchmarks.soak.commands.server import Ended, Task, server
+from benchmarks.soak.commands.server import Ended, Task, is_sentence, server
 
 NAME = "kills"
 SHARE = 0.2
@@ -30,15 +29,16 @@ KILLS = 4  # a trial
 WAIT = 60.0  # [s] at most for its moment
 SIGNALS = (signal.SIGKILL, signal.SIGTERM)
 STOPPED = (128 + signal.SIGTERM, -signal.SIGTERM)  # exit codes of a command that was told to end
-TRAINED, COMPILED = 0.4, 0.15  # of the trials
-OLD = b"what was there before\n"
+TRAINED, COMPILED, COLD = 0.4, 0.15, 0.02  # of the trials; a cold start takes long
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:
     """One command, killed a few times."""
     rng = np.random.default_rng([2, seed])
-    kind = rng.random()
-    if kind < COMPILED:
+    kind, is_cold = rng.random(), rng.random() < COLD
+    if is_cold:
+        kills = _kill_cold_start(rng, folder)
+    elif kind < COMPILED:
         kills = _kill_compiling(rng, folder)
     else:
         others = [scene for scene in SCENES if scene is not TRAIN]
@@ -49,17 +49,10 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
 
 
 def _kill_command(scene: Scene, rng: np.random.Generator, folder: Path) -> int:
-    whole = undisturbed(scene)
-    scene.prepare(folder)
-    old = {name: content for name, content in whole.files.items() if name in scene.inputs}
-    if not scene.is_training:
-        old |= {name: OLD for name in whole.files if name not in old and rng.random() < 0.5}
-    for name, content in old.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_bytes(content)
+    old = scene.prepare(folder, rng)
     kills = steps = 0
     for _ in range(KILLS):
-        ended = killed(scene.task(folder), rng, whole.seconds)
+        ended = killed(scene.task(folder), rng, undisturbed(scene).seconds)
         try:
             check_words(ended)
             check_files(scene, folder, old)
@@ -70,11 +63,7 @@ def _kill_command(scene: Scene, rng: np.random.Generator, folder: Path) -> int:
         except AssertionError as error:
             raise AssertionError(f"{error}\nafter {ended}") from error
         kills += ended.code != 0
-    ended = scene.run(folder)
-    assert ended.code == 0, f"the run after {kills} kills fails: {ended}"
-    check_end(scene, folder)
-    if scene.is_training:
-        training.check_finished(folder)
+    training.finish(scene, folder, f"{kills} kills")
     return kills
 
 
@@ -87,6 +76,13 @@ def _kill_compiling(rng: np.random.Generator, folder: Path) -> int:
         kills += ended.code != 0
     compiling.check(server().run(task))
     compiling.check(server().run(task))  # from the cache alone
+    return kills
+
+
+def _kill_cold_start(rng: np.random.Generator, folder: Path) -> int:
+    kills = sum(cold.kill(folder, rng) for _ in range(KILLS))
+    cold.check(folder)
+    cold.check(folder)  # from the cache alone
     return kills
 
 
@@ -105,6 +101,7 @@ def killed(task: Task, rng: np.random.Generator, seconds: float) -> Ended:
 def check_words(ended: Ended) -> None:
     """Raise unless it ended well, by the signal, or as one that was told to end."""
     assert ended.code in (0, -signal.SIGKILL, *STOPPED), f"a kill ends it otherwise: {ended}"
+    assert ended.code <= 0 or is_sentence(ended.err), f"a kill is told in many words: {ended}"
     assert "Traceback" not in ended.err, f"a kill shows a traceback: {ended}"
 
 

@@ -15,6 +15,7 @@ ROWS = 3000  # of a recording
 RUN = "run"  # folder of the training
 PICTURES = (".gif", ".pdf", ".png")  # they need not have the same bits every time
 SETTINGS = "--num-worlds 4 --rollout 20 --batch-size 40 --hidden 8 --epochs 1 --horizon 20"
+OLD = b"what was there before\n"
 STEPS = 80 * 12  # of the training: so many updates of 80
 
 
@@ -41,10 +42,16 @@ class Scene:
         """Run it to its end."""
         return server().run(self.task(folder, fault))
 
-    def prepare(self, folder: Path) -> None:
-        """Write what it reads."""
-        for name in self.inputs:
-            (folder / name).write_bytes(inputs()[name])
+    def prepare(self, folder: Path, rng: np.random.Generator | None = None) -> dict[str, bytes]:
+        """Write what it reads and, with ``rng``, some files that it will replace; all of them."""
+        old = {name: inputs()[name] for name in self.inputs}
+        if rng is not None and not self.is_training:  # which takes a foreign file for another run
+            names = [name for name in undisturbed(self).files if name not in old]
+            old |= {name: OLD for name in names if rng.random() < 0.5}
+        for name, content in old.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_bytes(content)
+        return old
 
 
 GRIPS = "--grips -0.9 0 0.9 0"

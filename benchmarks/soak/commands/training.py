@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from benchmarks.soak.commands.scenes import RUN, TRAIN, undisturbed
+from benchmarks.soak.commands.scenes import RUN, TRAIN, Scene, check_end, undisturbed
 from benchmarks.soak.commands.whole import table_rows
 from coopenv.agents.training.checkpoint import CHECKPOINT, POLICY, Checkpoint
 
@@ -21,6 +21,15 @@ def check_progress(folder: Path, before: int) -> int:
         rows = [int(row["steps"]) for row in table_rows(curves.read_bytes())]
         _check_order(rows, "curves.csv")
     return steps
+
+
+def finish(scene: Scene, folder: Path, before: str) -> None:
+    """Run a command to its end; raise unless all is as if nobody had disturbed it."""
+    ended = scene.run(folder)
+    assert ended.code == 0, f"the run after {before} fails: {ended}"
+    check_end(scene, folder)
+    if scene.is_training:
+        check_finished(folder)
 
 
 def check_finished(folder: Path) -> None:
