@@ -40,12 +40,13 @@ def reading(path: str | os.PathLike) -> Iterator[None]:
         yield
     except (CoopenvError, MemoryError):
         raise
-    except OSError as error:
-        raise file_trouble(error, path, "readable") from error
     except Exception as error:
+        if isinstance(error, OSError) and error.errno is not None:  # of the system
+            raise file_trouble(error, path, "readable") from error
+        said = (str(error).splitlines() or [""])[0]
         raise InvalidInput(
             f"{os.fspath(path)} must be whole and of the format that its name says, got "
-            f"{type(error).__name__}: {error}; write the file again"
+            f"{type(error).__name__}: {said}; write the file again"
         ) from error
 
 

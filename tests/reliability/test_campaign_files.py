@@ -20,6 +20,8 @@ from benchmarks.soak.commands.scenes import SCENES, check_end, check_files
 from benchmarks.soak.commands.server import server
 from benchmarks.soak.damage.mutations import damaged as damage
 from benchmarks.soak.damage.readers import READERS
+from coopenv.errors import FileTrouble, InvalidInput
+from coopenv.files import reading
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="children are forked and watched")
 
@@ -97,3 +99,11 @@ def test_half_a_file_is_told(reader, tmp_path):
     path.write_bytes(reader.whole()[:-3])
     with pytest.raises(AssertionError, match="is torn"):
         whole.require_whole(path)
+
+
+def test_what_a_library_says_of_a_damaged_file_is_one_line_and_blames_no_disk():
+    """As pyarrow does, by an OSError that is none of the system's."""
+    with pytest.raises(InvalidInput, match="must be whole") as told, reading("a.parquet"):
+        raise OSError("Couldn't deserialize thrift\nDeserializing page header failed.\n")
+    assert not isinstance(told.value, FileTrouble)
+    assert len(str(told.value).splitlines()) == 1
