@@ -35,7 +35,7 @@ def _body(transition: Transition) -> FloatArray:
     team = np.stack([*seen, *limits], axis=-1)
     body = np.stack([value for value in named.values() if value.ndim == 1], axis=-1)
     every = body[:, None].repeat(num_agents, axis=1)
-    flat = team.reshape(num_worlds, num_agents, -1)
+    flat = team.reshape(num_worlds, num_agents, 4 * num_agents)  # also of no world
     return np.concatenate([every, flat[..., :1], flat[..., 2:]], axis=-1)
 
 
