@@ -1,9 +1,9 @@
-# make train | test | lint | bench: each makes .venv, installs what it needs, and runs.
+# make train | test | lint | bench | soak: each makes .venv, installs what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 
-.PHONY: train test lint bench clean
+.PHONY: train test lint bench soak clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -19,6 +19,9 @@ lint: .venv/dev
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
+
+soak: .venv/dev
+	$(BIN)/python -m benchmarks.soak $(ARGS)
 
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

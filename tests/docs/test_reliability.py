@@ -9,10 +9,11 @@ from tests.docs.snippets import ROOT
 
 TEXT = (ROOT / "docs" / "reliability.md").read_text(encoding="utf-8")
 NAMED = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`( \(slow\))?", TEXT)
+HEAD = "| promise | test |\n|---|---|\n"
 ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")]
-    for line in TEXT.splitlines()
-    if line.startswith("| ") and line != "| promise | test |"
+    for table in TEXT.split(HEAD)[1:]
+    for line in table.partition("\n\n")[0].splitlines()
 ]
 
 

@@ -1,0 +1,64 @@
+"""Campaign of memory: episodes and lives of every view leave nothing behind.
+
+A trial makes one view of an environment with features drawn at random, repeats something with it,
+and counts objects and resident bytes before and after. What grows more slowly than a trial can see
+is left to the watch over the workers.
+"""
+
+import gc
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.soak.drawn.features import any_environment
+from benchmarks.soak.drawn.views import VIEWS, Repeat
+from benchmarks.soak.frame.worker import size_of_process
+
+NAME = "memory"
+SHARE = 0.15
+WARM, REPEATS, LIVES = 40, 400, 40  # episodes to begin with and then; views made and closed
+FEWER = 0.1  # objects a repeat that a cache may take; a leak takes at least one
+BYTES = 8 * 2**20  # by which one trial may grow: what is free comes back in large pieces only
+DESCRIPTORS = 0
+
+
+def trial(seed: int, folder: Path) -> dict[str, int]:
+    """Episodes of one view, or views made, used and closed."""
+    rng = np.random.default_rng([3, seed])
+    env, config, num_worlds = any_environment(rng, most_worlds=8)
+    name = str(rng.choice(list(VIEWS)))
+    place = f"{name} of {env}"
+    make = VIEWS[name]
+    if rng.random() < 0.3:
+
+        def live() -> None:
+            episode, close = make(env, config, num_worlds, seed)
+            episode()
+            close()
+
+        check_flat(live, LIVES // 4, LIVES, f"{place}, made and closed")
+        return {"lives": LIVES + LIVES // 4}
+    episode, close = make(env, config, num_worlds, seed)
+    check_flat(episode, WARM, REPEATS, f"{place}, reset and stepped")
+    close()
+    return {"resets": (WARM + REPEATS) * num_worlds}
+
+
+def check_flat(repeat: Repeat, warm: int, times: int, place: str) -> None:
+    """Raise if ``times`` repeats, after ``warm`` ones, leave more behind than there was before."""
+    for _ in range(warm):
+        repeat()
+    before, objects = size_of_process(), live_objects()
+    for _ in range(times):
+        repeat()
+    after, more = size_of_process(), live_objects() - objects
+    grown = after.resident - before.resident
+    assert more <= FEWER * times, f"{place}: {more} objects more after {times} times"
+    assert grown <= BYTES, f"{place}: {grown / 2**20:.1f} MB more after {times} times"
+    opened = after.descriptors - before.descriptors
+    assert opened <= DESCRIPTORS, f"{place}: {opened} descriptors more after {times} times"
+
+
+def live_objects() -> int:
+    """Objects that Python's collector knows."""
+    return len(gc.get_objects())

@@ -1,0 +1,100 @@
+"""What must hold in every step of every environment: finite, within bounds, balanced, added up."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from coopenv import Transport
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.info import UNDEFINED_AT_START, Info
+
+UNBALANCED = ("virtual_linkage",)  # methods that need not balance: docs/decomposition.md
+BALANCED, PLAUSIBLE, ADDED = 1e-9, 1e-8, 1e-12  # in parts of the largest force or torque; of reward
+TINY = 1e-140  # [N] squares of smaller numbers are not held by floats
+SLACK = 0.01  # [m] beyond a substep's way
+
+
+class Watch:
+    """A look at every step of a batch; raises an `AssertionError` where one shows what it must not.
+
+    Parameters
+    ----------
+    core
+        Whose steps they are.
+    name
+        What the batch is called in messages.
+    """
+
+    def __init__(self, core: Transport, name: str):
+        self._core, self._name, self._steps = core, name, 0
+        self._rooms = np.array([scene.size for scene in core.scenes]) / 2  # [m]
+        self._fastest = np.zeros(core.num_worlds)  # [m/s] in the episode under way
+
+    def look(
+        self, obs: npt.NDArray[np.float32], reward: FloatArray, info: Info, again: BoolArray
+    ) -> None:
+        """At what a step returned; ``again``: which worlds began anew with it."""
+        place = f"{self._name}, step {self._steps}"
+        self._steps += 1
+        core, seen = self._core, flat(info)
+        check_finite({"observation": obs, "reward": reward, **seen}, place)
+        low, high = core.observation.low, core.observation.high
+        outside = np.argwhere((obs < low) | (obs > high))
+        assert not len(outside), f"{place}: feature {outside[0].tolist()} is outside its space"
+        assert obs.dtype == np.float32, f"{place}: observations are {obs.dtype}"
+        parts = [value for name, value in seen.items() if name.startswith("reward_terms/")]
+        off = np.abs(sum(parts) - reward) / (1.0 + sum(map(np.abs, parts)))
+        assert off.max() <= ADDED, f"{place}: reward is {off.max():.1e} off the sum of its parts"
+        self._look_inside(place, again)
+        check_decomposition(core, place)
+
+    def _look_inside(self, place: str, again: BoolArray) -> None:
+        """A centre may be as deep in a wall as a substep's way, which is parted slowly."""
+        core, transition = self._core, self._core.transition
+        assert transition is not None
+        pushed = np.linalg.norm(transition.applied[..., :2], axis=-1).sum(axis=-1)
+        gained = pushed * core.dt / np.array([body.mass for body in core.bodies])
+        speed = np.hypot(*transition.state.twist[:, :2].T) + gained
+        self._fastest = np.maximum(np.where(again, 0.0, self._fastest), speed)
+        beyond = (np.abs(core.world.pose[:, :2]) - self._rooms).max(axis=-1)
+        beyond -= core.world.substep * self._fastest + SLACK
+        worst = int(np.argmax(beyond))
+        assert beyond[worst] <= 0, f"{place}: world {worst} is {beyond[worst]:.3f} m in a wall"
+
+
+def flat(info: Info) -> dict[str, FloatArray]:
+    """Infos with the names of nested ones put together."""
+    found = {}
+    for name, value in info.items():
+        if isinstance(value, dict):
+            found |= {f"{name}/{inner}": entry for inner, entry in flat(value).items()}
+        else:
+            found[name] = value
+    return found
+
+
+def check_finite(shown: dict[str, npt.NDArray[Any]], place: str) -> None:
+    """Raise unless every number is one; load shares may be NaN, where they are undefined."""
+    for name, value in shown.items():
+        bad = np.isinf(value) if name in UNDEFINED_AT_START else ~np.isfinite(value)
+        assert not bad.any(), (
+            f"{place}: {name} is {value[bad][0]} at {np.argwhere(bad)[0].tolist()}"
+        )
+
+
+def check_decomposition(core: Transport, place: str) -> None:
+    """Raise where the split does not balance, or blames somebody for what was not done."""
+    assert core.transition is not None
+    found, settings = core.transition.decomposition, core.config.decomposition
+    force = np.linalg.norm(found.applied[..., :2], axis=-1).sum(axis=-1)
+    torque = np.abs(found.applied[..., 2]).sum(axis=-1)
+    lever = np.linalg.norm(found.grips, axis=-1).max(axis=-1)
+    unit = TINY + force + torque + lever * force
+    left = found.residuals()
+    if settings.method not in UNBALANCED:
+        off = (left.balance / unit).max()
+        assert off <= BALANCED, f"{place}: {settings.method} is {off:.1e} off balance"
+    if settings.plausible:
+        off = (np.max(left[1:], axis=0) / unit).max()
+        assert off <= PLAUSIBLE, f"{place}: {settings.method} is {off:.1e} beyond eqs. 9-11"
