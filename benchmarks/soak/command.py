@@ -4,7 +4,6 @@ Failures are told as they come, each with the command that meets it again. The e
 there were any, and 2 for options that make no sense.
 """
 
-import shutil
 import signal
 import sys
 from collections.abc import Sequence
@@ -42,7 +41,7 @@ class Soak:
     first_seed: int = 0  # of every campaign
     trials: int | None = None  # of each campaign, at most
     also: tuple[str, ...] = ()  # modules of further campaigns
-    fresh: bool = False  # forget what is in the folder
+    fresh: bool = False  # forget the run in the folder
     write: bool = False  # the table into docs/reliability.md
 
     def __post_init__(self) -> None:
@@ -72,9 +71,7 @@ def run(soak: Soak, console: Console) -> int:
     campaigns = chosen(soak.only, soak.also)
     if soak.seed is not None:
         return run_one(campaigns[0], soak.seed, console)
-    if soak.fresh:
-        shutil.rmtree(soak.folder, ignore_errors=True)
-    with closing(Ledger(soak.folder, machine())) as ledger:
+    with closing(Ledger(soak.folder, machine(), fresh=soak.fresh)) as ledger:
         run_all(soak, ledger, campaigns, console)
         made = table(ledger, campaigns)
         console.print(made, markup=False, highlight=False, soft_wrap=True)

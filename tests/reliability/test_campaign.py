@@ -150,6 +150,7 @@ def test_a_folder_in_use_or_of_another_machine_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match=r"out must be of the same cores, got .* of 2;"):
         Ledger(tmp_path, {"cores": "4"})
     Ledger(tmp_path, {"cores": "2"}).close()
+    assert Ledger(tmp_path, {"cores": "4"}, fresh=True).machine == {"cores": "4"}
 
 
 def test_growth_is_told_after_warm_up_and_forgives_what_comes_and_goes():

@@ -51,6 +51,8 @@ class Ledger:
         Where it is; made if it is not there.
     machine
         On what it runs, for a new file; one that goes on has to run on the same.
+    fresh
+        Whether to forget what is in it.
 
     Raises
     ------
@@ -58,7 +60,7 @@ class Ledger:
         If the folder is in use, or its test ran on another machine or other versions.
     """
 
-    def __init__(self, folder: Path, machine: dict[str, Any]):
+    def __init__(self, folder: Path, machine: dict[str, str], *, fresh: bool = False):
         self.trials: list[Trial] = []
         self.shifts: list[Shift] = []
         folder.mkdir(parents=True, exist_ok=True)
@@ -71,6 +73,8 @@ class Ledger:
             raise InvalidInput(
                 f"out must be a folder that nobody else runs in, got {folder}; name another one"
             ) from error
+        if fresh:
+            self._file.truncate(0)
         self.machine = self._read() or machine
         if self.machine != machine:
             self._file.close()
@@ -83,7 +87,7 @@ class Ledger:
         if not path.stat().st_size:
             self._write({"machine": machine})
 
-    def _read(self) -> dict[str, Any]:
+    def _read(self) -> dict[str, str]:
         """Take in all whole lines and cut off what follows them; the machine."""
         self._file.seek(0)
         text = self._file.read()

@@ -10,7 +10,14 @@ from benchmarks.soak.frame.campaign import Campaign
 from benchmarks.soak.frame.ledger import Ledger, Shift, Trial, totals
 
 PACKAGES = ("coopenv", "numpy", "numba", "pymunk", "gymnasium", "stable-baselines3", "torch")
-COLUMNS = ("campaign", "trials", "of them failed", "what was tried", "minutes", "most that grew")
+COLUMNS = (
+    "campaign",
+    "trials",
+    "of them failed",
+    "what was tried",
+    "worker minutes",
+    "most that grew",
+)
 
 
 def machine() -> dict[str, str]:
