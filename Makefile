@@ -1,9 +1,9 @@
-# make train | test | lint | bench | soak: each makes .venv, installs what it needs, and runs.
+# make train | test | lint | bench | soak | mutants: each makes .venv, installs what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 
-.PHONY: train test lint bench soak clean
+.PHONY: train test lint bench soak mutants clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -22,6 +22,9 @@ bench: .venv/dev
 
 soak: .venv/dev
 	$(BIN)/python -m benchmarks.soak $(ARGS)
+
+mutants: .venv/dev
+	$(BIN)/python -m benchmarks.mutants $(ARGS)
 
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -19,7 +19,8 @@ from tests.sources import (
 
 MOST_FILES = 17  # in a folder, its face included; modules of environments are not counted
 COMPILERS = {"cfunc", "generated_jit", "guvectorize", "jit", "njit", "vectorize"}
-PYTHONS_OWN = {"_asdict", "_fields", "_getframe", "_replace"}  # public though their names are not
+# Public though their names are not
+PYTHONS_OWN = {"_asdict", "_exit", "_fields", "_getframe", "_replace"}
 LINKED = ("coopenv.agents", "coopenv.rewards")
 
 

@@ -1,0 +1,24 @@
+"""Known mutants that change no behaviour: equivalent.toml, each with its reason.
+
+One is known by its file and its lines before and after, so that it may move in the file.
+"""
+
+import tomllib
+from functools import cache
+from pathlib import Path
+
+from benchmarks.mutants.source import Change, Source
+
+LIST = Path(__file__).with_name("equivalent.toml")
+
+
+@cache
+def known(path: Path = LIST) -> dict[tuple[str, str, str], str]:
+    """Reasons by file, line before and line after."""
+    entries = tomllib.loads(path.read_text(encoding="utf-8")).get("equivalent", [])
+    return {(one["file"], one["line"], one["changed"]): one["reason"] for one in entries}
+
+
+def reason(change: Change, source: Source, path: Path = LIST) -> str:
+    """Why a change is none of behaviour; empty where nobody has said so."""
+    return known(path).get((change.file, *change.lines(source.text)), "")
