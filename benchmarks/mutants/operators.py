@@ -153,6 +153,8 @@ def _numbers(value: float, role: str) -> list[str]:
         others = [value + 1, value - 1] if value else [1]
         if role == "index" and value == 0:
             others = [1, -1]
+        if role == "shape" and value == -1:  # NumPy takes any negative length as the rest
+            others = [1]
     elif value == 0.0:
         others = [1.0]
     elif abs(value) < TINY:

@@ -109,8 +109,9 @@ def _function(node: Function, where: Where) -> Iterator[tuple[ast.AST, Where]]:
 
 def _call(node: ast.Call, where: Where) -> Iterator[tuple[ast.AST, Where]]:
     yield from _nodes(node.func, replace(where, role=""))
+    role = "shape" if _name(node.func) == "reshape" else ""
     for each in node.args:
-        yield from _nodes(each, replace(where, role=""))
+        yield from _nodes(each, replace(where, role=role))
     for keyword in node.keywords:
         if keyword.arg not in DESCRIBING:
             role = "axis" if keyword.arg == "axis" else ""

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
 from benchmarks.mutants.child import Child
@@ -149,7 +150,8 @@ def record(tree: Tree, file: str, to: Path) -> int:
     )
     measure.start()
     watch = _Watch(measure)
-    pytest.main([*OPTIONS, f"--rootdir={root}", file], plugins=[watch])
+    places = [f"--rootdir={root}", f"--basetemp={to.with_suffix('.tmp')}"]
+    pytest.main([*OPTIONS, *places, file], plugins=[watch])
     measure.stop()
     data = measure.get_data()
     lines = {}
@@ -167,4 +169,5 @@ def record(tree: Tree, file: str, to: Path) -> int:
     }
     part.write_text(json.dumps(wanted), encoding="utf-8")
     part.rename(to)
+    rmtree(to.with_suffix(".tmp"), ignore_errors=True)
     return 0

@@ -25,12 +25,16 @@ def sample(project: Project, count: int, seed: int) -> list[tuple[Source, Change
 def drawn(project: Project, random: Random) -> Iterator[tuple[Source, Change]]:
     """Mutants one by one, never two of one place."""
     left = _by_folder(project)
+
+    def draw(count: int) -> int:
+        return int(random.random() * count)  # one number, so that the rest does not depend on it
+
     while left:
-        folder = random.choice([*left])
-        source, changes = left[folder].pop(random.randrange(len(left[folder])))
+        folder = [*left][draw(len(left))]
+        source, changes = left[folder].pop(draw(len(left[folder])))
         if not left[folder]:
             del left[folder]
-        change = random.choice(changes)
+        change = changes[draw(len(changes))]
         if is_another_program(source, change):
             yield source, change
 

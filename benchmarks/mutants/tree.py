@@ -89,6 +89,8 @@ class Tree:
             path.write_bytes(old)
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
             shutil.rmtree(cache, ignore_errors=True)
+            examples = self.project.root / ".hypothesis"  # of failures, which the next would try
+            shutil.rmtree(examples, ignore_errors=True)
 
 
 def _files(root: Path) -> Iterator[str]:

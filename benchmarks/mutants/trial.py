@@ -105,5 +105,5 @@ def _pytest(root: Path, tests: Sequence[Selected], note: Path) -> int:
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
     signal.setitimer(signal.ITIMER_PROF, LIMIT)  # an import may be endless too
     names = [one.test for one in tests]
-    code = pytest.main([*OPTIONS, "-x", f"--rootdir={root}", *names], plugins=[_Watch(tests, note)])
-    return int(code)
+    places = [f"--rootdir={root}", f"--basetemp={note.with_name('tmp')}"]
+    return int(pytest.main([*OPTIONS, "-x", *places, *names], plugins=[_Watch(tests, note)]))

@@ -137,6 +137,13 @@ def test_each_kind_of_fault_is_made(text: str, operator: str, changed: str):
     assert (operator, changed) in edited(text)
 
 
+def test_a_length_that_numpy_fills_in_does_not_become_another_negative_one():
+    assert edited("a = b.reshape(-1, n)\n") == {
+        ("constant", "a = b.reshape(1, n)"),
+        ("swapped", "a = b.reshape(n, -1)"),
+    }
+
+
 @pytest.mark.parametrize(
     "text",
     [
