@@ -13,7 +13,7 @@ from benchmarks.mutants.campaign import Campaign
 from benchmarks.mutants.page import tables
 from benchmarks.mutants.places import is_another_program, places
 from benchmarks.mutants.reach import Reach, Selected, within
-from benchmarks.mutants.recording import Recording
+from benchmarks.mutants.recording import Recorder, Recording
 from benchmarks.mutants.report import score, survivors
 from benchmarks.mutants.results import Result, Results
 from benchmarks.mutants.sample import sample
@@ -311,3 +311,27 @@ def test_a_run_goes_on_where_it_was_broken_off(tmp_path):
     assert path.read_text().startswith(first)
     assert len(results) == len(Results(path).of) == 5
     assert {result.status for result in results} <= {"caught", "survived", "unreached"}
+
+
+def test_a_recording_knows_lines_and_failures_and_holds_until_its_tests_change(tmp_path):
+    pytest.importorskip("coverage")
+    project = toy(tmp_path / "project")
+    file = "tests/test_beam.py"
+    tests = project.root / file
+    tests.write_text(
+        tests.read_text() + "\n\ndef test_that_fails():\n    assert reach(0, 0) == 1\n"
+    )
+    tree = Tree.copied(project, tmp_path / "work")
+    recorder = Recorder(tree, tmp_path / "records")
+    recorder.complete([file])
+    found = recorder.recording
+    near = f"{file}::test_a_point_within_the_limit_has_its_distance"
+    beyond = f"{file}::test_what_lies_beyond_is_at_the_limit"
+    assert set(found.seconds) == {near, beyond}
+    assert found.failed == [f"{file}::test_that_fails"]
+    lines = (project.root / "toy/beam.py").read_text().splitlines()
+    assert found.lines["toy/beam.py"][lines.index("    if x < 0.0:") + 1] == {near, beyond}
+    assert lines.index("        steps -= 1") + 1 not in found.lines["toy/beam.py"]
+    assert file not in Recorder(tree, tmp_path / "records").missing()
+    tests.write_text(tests.read_text() + "\n# another\n")
+    assert file in Recorder(Tree.copied(project, tmp_path / "work"), tmp_path / "records").missing()
