@@ -59,8 +59,15 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
 def _by_name(value: Any) -> Any:
     """The terms of a reward as an object, so that one that is added moves no other."""
     if isinstance(value, Mapping) and value.get("kind") == "coopenv.rewards.RewardSum":
-        return {entry["name"]: entry["term"] for entry in value["terms"]}
+        terms = value.get("terms")
+        if isinstance(terms, list) and all(map(_is_term, terms)):
+            return {entry["name"]: entry["term"] for entry in terms}
     return value
+
+
+def _is_term(entry: Any) -> bool:
+    """Whether it is as a configuration writes a term; a damaged file may hold anything."""
+    return isinstance(entry, Mapping) and isinstance(entry.get("name"), str) and "term" in entry
 
 
 def _known_name(field: str, config: TransportConfig) -> str | None:

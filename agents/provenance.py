@@ -17,6 +17,7 @@ from typing import Any, Self
 import gymnasium
 
 from coopenv.config import TransportConfig
+from coopenv.config.own_code import Trust
 from coopenv.envs.registry import PREFIX, find_config
 from coopenv.errors import CoopenvError, InvalidInput
 
@@ -124,7 +125,7 @@ class Provenance:
         """An entry for `coopenv.agents.learned.NOTES`."""
         return {KEY: {"format": FORMAT, **asdict(self)}}
 
-    def config(self, *, trust: bool | tuple[str, ...] = False) -> TransportConfig:
+    def config(self, *, trust: Trust = False) -> TransportConfig:
         """The environment; ``trust`` as in `TransportConfig.from_json`.
 
         Raises

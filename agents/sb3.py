@@ -1,25 +1,16 @@
 """Stable-Baselines3: worlds as a ``VecEnv``, trained models as policies, what a training needs."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Any
 
-import gymnasium
 import numpy as np
 
 from coopenv.config import TransportConfig
-from coopenv.errors import MissingExtra
 from coopenv.observation.view import VIEW, WRENCH_UNIT
 
-from .learned import SB3Policy, save_model
+from .learned import FallingRate, SB3Policy, Scaled, save_model
 from .settings import find_config
 from .vec_env import TransportVecEnv
-
-try:
-    import torch
-    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
-except ImportError as error:
-    raise MissingExtra("coopenv.agents.sb3", "train") from error
 
 __all__ = [
     "FallingRate",
@@ -67,36 +58,6 @@ def make_vec_env(
     if seed is not None:
         venv.seed(seed)
     return venv
-
-
-class Scaled(BaseFeaturesExtractor):
-    """Multiplies each feature by a fixed factor, so that all are of order one for the network.
-
-    The environment's observations stay in SI units; the factors are saved with the policy.
-    """
-
-    def __init__(self, observation_space: gymnasium.spaces.Box, scale: Sequence[float]):
-        super().__init__(observation_space, features_dim=len(scale))
-        self.scale: torch.Tensor
-        self.register_buffer("scale", torch.tensor(scale, dtype=torch.float32))
-
-    def forward(self, observations: torch.Tensor) -> torch.Tensor:
-        """Scaled features."""
-        return observations * self.scale
-
-
-@dataclass(frozen=True)
-class FallingRate:
-    """A learning rate that falls linearly to zero; unlike a lambda it survives saving."""
-
-    start: float
-
-    def __call__(self, remaining: float) -> float:
-        """Rate when the fraction ``remaining`` of the training is left.
-
-        The last rollout may end beyond the training, where the fraction is negative.
-        """
-        return self.start * max(remaining, 0.0)
 
 
 def feature_scale(venv: TransportVecEnv) -> list[float]:

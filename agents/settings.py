@@ -10,11 +10,11 @@ from typing import Any, Literal, Self
 from coopenv.arrays import number, positive, whole
 from coopenv.config import TransportConfig
 from coopenv.envs import registry
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.files import reading, written
 
 from . import partners
-from .overrides import GROUPS, changed
+from .overrides import GROUPS, changed, entries_of
 from .seeds import BLOCK, training_seeds
 
 MOST = {  # beyond, a network's numbers overflow or worlds share seeds
@@ -61,6 +61,10 @@ class EnvironmentChoice:
     """What every episode draws anew, lowest and highest: mass=[4,9]."""
     weights: tuple[str, ...] = ()
     """Of the reward's terms: progress=5 relative_cost=0.3."""
+
+    def __post_init__(self) -> None:
+        for name in GROUPS:
+            object.__setattr__(self, name, entries_of(getattr(self, name), name))
 
     def config(self) -> TransportConfig:
         """The environment's whole configuration.
@@ -219,12 +223,29 @@ class TrainConfig:
 
     @classmethod
     def from_dict(cls, given: Mapping[str, Any], source: str = "a training run") -> Self:
-        """The configuration that `to_dict` made plain, from ``source``; ``fresh`` is not taken."""
+        """The configuration that `to_dict` made plain, from ``source``; ``fresh`` is not taken.
+
+        Raises
+        ------
+        InvalidInput, UnknownName
+            If a value breaks its rule or a name is not known; or if a module would be imported to
+            learn who the partner is, which a run writes.
+        """
         _check_names(given, f"entry of {source}", cls)
         given = {name: value for name, value in given.items() if name not in UNSAVED}
         environment = given.get("environment", {})
         _check_names(environment, f"environment's entry of {source}", EnvironmentChoice)
-        return cls(**given)
+        if given.get("control") == "partner" and environment.get("partner") is None:
+            registry.require_trusted(str(environment.get("env", "")), False, source)
+        try:
+            return cls(**given)
+        except CoopenvError:
+            raise
+        except Exception as error:  # values of another kind can raise anything
+            raise InvalidInput(
+                f"{source} must hold settings as a run writes them, got another kind of value "
+                f"({error}); copy it again"
+            ) from error
 
 
 def _check_names(given: Any, what: str, kind: type) -> None:

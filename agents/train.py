@@ -14,13 +14,12 @@ from coopenv.files import locked, sweep, writing
 
 from . import curves
 from .curves import Row
-from .learned import load_model
 from .learned.finite import has_diverged, require_finite
 from .provenance import Provenance
 from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
-from .training.checkpoint import CHECKPOINT, POLICY, REMEDY, Checkpoint, Keeper, save
+from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
 from .training.events import told_once
 from .training.progress import Progress, Watch
 
@@ -31,6 +30,7 @@ except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
 LOG = "ppo"  # what TensorBoard's folders begin with
+UPDATES = "_n_updates"  # attribute of a model, for its log: gradient epochs that were done
 WRITTEN = (  # into a run's folder beside its policy; the last three by ``coopenv train``
     *("config.json", "curves.csv", "curves.png"),
     *("table.csv", "table.json", "episode.gif"),
@@ -268,12 +268,10 @@ def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
 
 def _resume(found: Checkpoint, config: TrainConfig, venv: TransportVecEnv) -> PPO:
     """The model as it was at the checkpoint, with random numbers of its own."""
-    try:
-        model = load_model(found.path, PPO, venv=venv).model
-    except InvalidInput as error:
-        raise InvalidInput(f"{error}; or {REMEDY}") from error
-    assert isinstance(model, PPO)
-    model.tensorboard_log = str(config.out / "tensorboard")  # the folder may have been moved
+    model = _begin(config, venv)
+    found.restore(model, rows=venv.num_envs // config.num_worlds)
+    updates = ceil(found.progress.steps / (config.rollout * config.num_worlds))
+    setattr(model, UPDATES, updates * config.epochs)
     model.set_random_seed(config.seed + model.num_timesteps)
     _seed_worlds(config, venv, steps=model.num_timesteps)
     return model

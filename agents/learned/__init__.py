@@ -1,7 +1,18 @@
 """Learned policies: models of Stable-Baselines3 and sb3-contrib, as they were trained."""
 
-from .files import NOTES, load_model, read_notes, save_model
+from .archive import NOTES, read_notes
+from .files import load_model, save_model
 from .normalization import Normalization
 from .policy import SB3Policy
+from .scaling import FallingRate, Scaled
 
-__all__ = ["NOTES", "Normalization", "SB3Policy", "load_model", "read_notes", "save_model"]
+__all__ = [
+    "NOTES",
+    "FallingRate",
+    "Normalization",
+    "SB3Policy",
+    "Scaled",
+    "load_model",
+    "read_notes",
+    "save_model",
+]

@@ -1,4 +1,4 @@
-"""Files of learned policies: SB3's archive, and in it algorithm, normalisation and notes."""
+"""Files of learned policies: SB3's archive, and in it blueprint, normalisation and notes."""
 
 import json
 import os
@@ -7,24 +7,28 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import written
 
 try:
     from stable_baselines3.common.base_class import BaseAlgorithm
     from stable_baselines3.common.save_util import json_to_data
-    from stable_baselines3.common.vec_env import VecEnv
 except ImportError as error:
     raise MissingExtra("coopenv.agents.sb3", "train") from error
 
 from .algorithms import algorithm_of, find_algorithm, missing_contrib, name_of
+from .archive import NOTES, existing, first_line, notes_in, object_in, opened
+from .blueprint import FORMAT, blueprint_of, build
 from .finite import require_finite
 from .normalization import Normalization
+from .weights import put_weights, read_weights
 
-NOTES = "coopenv.json"  # member of the archive: what SB3 does not write; others may add keys
-_ALGORITHM, _NORMALIZED = "algorithm", "normalized"  # its keys that are ours
+_ALGORITHM, _NORMALIZED = "algorithm", "normalized"  # keys of the notes that are ours
 _STATISTICS = "normalization.npz"  # member: of the observations
-_NEEDED = ("data", "policy.pth")  # members without which a file is no policy
+_BLUEPRINT = "coopenv_model.json"  # member: how the model is built
+_TRACES = "_last_original_obs"  # attribute that shows a normalisation; see normalization.py
 
 
 class Saved(NamedTuple):
@@ -43,6 +47,7 @@ def save_model(
     *,
     notes: Mapping[str, Any] | None = None,
     normalization: Normalization | None = None,
+    members: Mapping[str, str] | None = None,
 ) -> None:
     """``model.save`` under a temporary name that is then renamed, with what SB3 leaves out.
 
@@ -52,53 +57,62 @@ def save_model(
         Of others, as JSON can hold it, into the member `NOTES`.
     normalization
         Of the observations that the model was trained on.
+    members
+        Further members of the archive, by name.
     """
     own = {_ALGORITHM: name_of(type(model)), _NORMALIZED: normalization is not None}
     entries = {**(notes or {}), **own}
     with written(path) as part:
         with part.open("wb") as file:
             model.save(file)
-        with zipfile.ZipFile(part, "a") as archive:
+        with zipfile.ZipFile(part, "a", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr(NOTES, json.dumps(entries, indent=2) + "\n")
+            archive.writestr(_BLUEPRINT, json.dumps(blueprint_of(model)) + "\n")
             if normalization is not None:
                 archive.writestr(_STATISTICS, normalization.to_bytes())
+            for name, text in (members or {}).items():
+                archive.writestr(name, text)
 
 
 def load_model(
     path: str | os.PathLike,
     algorithm: type[BaseAlgorithm] | None = None,
     *,
-    venv: VecEnv | None = None,
+    trust: bool = False,
 ) -> Saved:
-    """Read a file that `save_model` or SB3 itself wrote. Only open files you trust.
+    """Read a file that `save_model` wrote; with ``trust`` any that SB3 itself wrote as well.
 
     Parameters
     ----------
     algorithm
         That trained it; ``None``: the one that the file says.
-    venv
-        In which the model is to learn on.
+    trust
+        Whether the pickles in it may be read, which runs whatever they say. Without it the model
+        is built from the file's blueprint, and of the rest only numbers and text are read.
 
     Raises
     ------
     InvalidInput
-        If it is no policy, is broken, has weights that are not finite, or needs a class that cannot
-        be found.
+        If it is no policy, is broken, has weights that are not finite, needs trust, or needs a
+        class that cannot be found.
     MissingExtra
         If sb3-contrib trained it and is not installed.
     """
-    file = _existing(Path(path))
-    with _archive(file) as archive:
-        notes = _notes(archive, file)
+    file = existing(Path(path))
+    with opened(file) as archive:
+        notes = notes_in(archive, file)
         try:
-            entries = json.loads(archive.read("data"))
-            kind = algorithm or _algorithm(notes, entries)
+            entries = object_in(archive, "data", file)
+            if trust:
+                kind = algorithm or _algorithm(notes, entries)
+                model = kind.load(os.fspath(file), device="cpu")
+            else:
+                model = _built(archive, notes, algorithm, file)
             statistics = (
                 Normalization.from_bytes(archive.read(_STATISTICS))
                 if notes.get(_NORMALIZED)
                 else None
             )
-            model = kind.load(os.fspath(file), env=venv, device="cpu")
         except (InvalidInput, MissingExtra):
             raise
         except ImportError as error:
@@ -111,8 +125,8 @@ def load_model(
         except Exception as error:  # what is unpickled and filled in can raise anything
             raise InvalidInput(
                 f"policy must be a whole file of the algorithm that wrote it, got {str(file)!r} "
-                f"({type(error).__name__}: {_first_line(error)}); copy it again"
-                f"{_other_algorithm(venv)}"
+                f"({type(error).__name__}: {first_line(error)}); copy it again, or name another "
+                "algorithm="
             ) from error
     require_finite(model, f"of {str(file)!r}")
     return Saved(
@@ -120,93 +134,53 @@ def load_model(
         notes={key: note for key, note in notes.items() if key not in (_ALGORITHM, _NORMALIZED)},
         normalization=statistics,
         is_normalized=notes.get(_NORMALIZED),
-        traces="_last_original_obs" in entries,
+        traces=_TRACES in entries,
     )
 
 
-def _other_algorithm(venv: VecEnv | None) -> str:
-    """A second remedy for who reads a policy in Python; a run knows its algorithm."""
-    return ", or name another algorithm=" if venv is None else ""
+def _built(
+    archive: zipfile.ZipFile,
+    notes: Mapping[str, Any],
+    algorithm: type[BaseAlgorithm] | None,
+    file: Path,
+) -> BaseAlgorithm:
+    """The model as its blueprint says, with the weights of the archive; nothing is unpickled."""
+    blueprint = _plain_blueprint(archive, notes, file)
+    kind = algorithm or find_algorithm(str(notes.get(_ALGORITHM)))
+    weights = read_weights(archive, str(file))
+    model = build(blueprint, kind, weights.count())
+    put_weights(model, weights)
+    if model.use_sde:
+        model.policy.reset_noise()
+    if notes.get(_NORMALIZED):  # so that it is refused if somebody takes the model out alone
+        setattr(model, _TRACES, np.zeros(model.observation_space.shape or ()))
+    return model
 
 
-def read_notes(path: str | os.PathLike) -> dict[str, Any]:
-    """The member `NOTES` of a policy's file; empty if SB3 itself wrote it.
-
-    Raises
-    ------
-    InvalidInput
-        If the file is no policy.
-    """
-    file = _existing(Path(path))
-    with _archive(file) as archive:
-        return _notes(archive, file)
-
-
-def _existing(path: Path) -> Path:
-    """The file itself; like SB3, with ``.zip`` added where it is not there without."""
-    for file in (path, path.with_name(f"{path.name}.zip") if path.name else path):
-        if file.is_file():
-            return file
-    what = "a folder" if path.is_dir() else "which is not there"
-    inside = path / "policy.zip"
-    remedy = f"give {str(inside)!r}" if inside.is_file() else "coopenv train writes such a file"
+def _plain_blueprint(
+    archive: zipfile.ZipFile, notes: Mapping[str, Any], file: Path
+) -> dict[str, Any]:
+    """The blueprint in an archive; raises `InvalidInput` where there is none."""
+    if _BLUEPRINT in archive.namelist():
+        blueprint = object_in(archive, _BLUEPRINT, file)
+        if blueprint.get("format") != FORMAT:
+            raise InvalidInput(
+                f"blueprint of a policy must be of format {FORMAT}, got "
+                f"{blueprint.get('format')!r:.40} in {str(file)!r}; read it with the coopenv that "
+                "wrote it, or a newer one"
+            )
+        if "needs_trust" not in blueprint:
+            return blueprint
+        why = f"which is made with {blueprint['needs_trust']!s:.160}"
+    else:
+        writer = "an older coopenv" if _ALGORITHM in notes else "Stable-Baselines3 itself"
+        why = f"which {writer} wrote"
     raise InvalidInput(
-        f"policy must be the file of a trained policy, got {str(path)!r}, {what}; {remedy}"
+        f"policy must say in plain values how it is built unless you trust the file, got "
+        f"{str(file)!r}, {why}: it says so in pickles, and reading them runs whatever they hold; "
+        "if you know where it is from, load it with trust=True (--trust), and save it with "
+        "SB3Policy.save"
     )
-
-
-def _archive(file: Path) -> zipfile.ZipFile:
-    """The file opened, once all of it could be read and it holds a policy."""
-    try:
-        archive = zipfile.ZipFile(file)
-    except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
-        raise _no_policy(file, _likely(file, error)) from error
-    try:
-        names = archive.namelist()
-        missing = [name for name in _NEEDED if name not in names]
-        if missing:
-            raise _no_policy(file, f"an archive without {' and '.join(missing)}")
-        try:
-            broken = archive.testzip()
-        except Exception as error:  # a damaged archive can raise anything
-            raise _no_policy(file, f"which is damaged ({_first_line(error)})") from error
-        if broken is not None:
-            raise _no_policy(file, f"in which {broken} is damaged")
-    except InvalidInput:
-        archive.close()
-        raise
-    return archive
-
-
-def _likely(file: Path, error: Exception) -> str:
-    """What a file is that cannot be opened as an archive."""
-    try:
-        with file.open("rb") as opened:
-            start = opened.read(2)
-    except OSError:
-        return f"which cannot be read ({error})"
-    if not start:
-        return "which is empty"
-    return "an archive that was cut short" if start == b"PK" else "which is no archive"
-
-
-def _no_policy(file: Path, what: str) -> InvalidInput:
-    return InvalidInput(
-        f"policy must be a file that SB3Policy.save or a model's save wrote, got {str(file)!r}, "
-        f"{what}; copy it again or give another"
-    )
-
-
-def _notes(archive: zipfile.ZipFile, file: Path) -> dict[str, Any]:
-    if NOTES not in archive.namelist():
-        return {}
-    try:
-        notes = json.loads(archive.read(NOTES))
-    except ValueError as error:
-        raise _no_policy(file, f"in which {NOTES} is no JSON") from error
-    if not isinstance(notes, dict):
-        raise _no_policy(file, f"in which {NOTES} is no object")
-    return notes
 
 
 def _algorithm(notes: dict[str, Any], entries: dict[str, Any]) -> type[BaseAlgorithm]:
@@ -214,7 +188,3 @@ def _algorithm(notes: dict[str, Any], entries: dict[str, Any]) -> type[BaseAlgor
         return find_algorithm(str(notes[_ALGORITHM]))
     kept = json.dumps({"policy_class": entries["policy_class"]})
     return algorithm_of(json_to_data(kept)["policy_class"], entries)
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [""])[0]

@@ -64,27 +64,37 @@ class Normalization:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
-        """What `to_bytes` wrote."""
+        """What `to_bytes` wrote; raises `ValueError`, or of another kind, for anything else."""
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            return cls(
-                mean=arrays["mean"],
-                variance=arrays["variance"],
+            mean, variance = (arrays[name].astype(np.float64) for name in ("mean", "variance"))
+            found = cls(
+                mean=mean,
+                variance=variance,
                 epsilon=float(arrays["epsilon"]),
                 clip=float(arrays["clip"]),
             )
+        numbers = np.concatenate([mean, variance, [found.epsilon, found.clip]])
+        if mean.shape != variance.shape or not np.isfinite(numbers).all() or found.clip <= 0:
+            raise ValueError("its statistics are no finite means and variances")
+        if (variance + found.epsilon <= 0).any():
+            raise ValueError("its statistics have variances that are not positive")
+        return found
 
 
 Normalize = bool | str | os.PathLike | VecNormalize | Normalization | None
 
 
-def find_normalization(normalize: Normalize, size: int) -> Normalization | None:
+def find_normalization(
+    normalize: Normalize, size: int, *, trust: bool = False
+) -> Normalization | None:
     """The statistics that a user gives for observations of ``size`` features.
 
     Parameters
     ----------
     normalize
-        A ``VecNormalize``, or the file that its ``save`` wrote (a pickle: only open files you
-        trust); ``False`` for none.
+        A ``VecNormalize``, or the file that its ``save`` wrote; ``False`` for none.
+    trust
+        Whether such a file, which is a pickle, may run what it holds.
 
     Raises
     ------
@@ -95,6 +105,12 @@ def find_normalization(normalize: Normalize, size: int) -> Normalization | None:
         return None
     found = normalize
     if isinstance(normalize, str | os.PathLike):
+        if not trust:
+            raise InvalidInput(
+                "normalize must be a VecNormalize unless you trust its file, got "
+                f"{os.fspath(normalize)!r}, a pickle, which runs whatever it holds; if you know "
+                "where it is from, pass trust=True"
+            )
         found = _read(Path(normalize))
     if isinstance(found, VecNormalize):
         found = Normalization.of(found)

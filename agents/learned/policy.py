@@ -37,13 +37,15 @@ class SB3Policy:
     deterministic
         Take the mean action instead of a sample.
     normalize
-        Observation statistics: a ``VecNormalize``, or the file that its ``save`` wrote (a pickle:
-        only open files you trust). ``None``: those of the model's own environment, as they are
+        Observation statistics: a ``VecNormalize``, or the file that its ``save`` wrote, which is a
+        pickle and needs ``trust``. ``None``: those of the model's own environment, as they are
         when it acts. ``False``: none.
     seed
         Of sampled actions, which are keyed by it, by the episode's seed and by the step.
     notes
         What else its file is to say; as JSON can hold it.
+    trust
+        Whether a file of ``normalize`` may run what it holds.
 
     Raises
     ------
@@ -62,13 +64,16 @@ class SB3Policy:
         normalize: Normalize = None,
         seed: int = 0,
         notes: Mapping[str, Any] | None = None,
+        trust: bool = False,
     ):
         self.model, self.deterministic = model, deterministic
         self.notes = dict(notes or {})
         self._spaces = spaces_of(model)
         self._features = self._spaces.features
         self._is_given = normalize is not None
-        self._given = find_normalization(normalize, self._features) if self._is_given else None
+        self._given = (
+            find_normalization(normalize, self._features, trust=trust) if self._is_given else None
+        )
         self._seed, self._keys = seed, EpisodeKeys(seed)
         self._memory: tuple[npt.NDArray, ...] | None = None  # of a recurrent policy, row by row
         self._fresh = np.zeros(0, dtype=np.bool_)  # (world,): whose episode begins
@@ -83,8 +88,14 @@ class SB3Policy:
         deterministic: bool = True,
         normalize: Normalize = None,
         seed: int = 0,
+        trust: bool = False,
     ) -> Self:
-        """Read a model from the file that `save` or SB3 itself wrote. Only open files you trust.
+        """Read a model from the file that `save` wrote, or with ``trust`` SB3 itself.
+
+        Without ``trust`` a file runs nothing: its ``model`` is constructed anew from spaces and
+        keywords that the file says in plain values, and gets weights and optimiser states. It acts
+        as it did. It trains on as it would have, or says which of its settings the file does not
+        hold that way.
 
         Parameters
         ----------
@@ -95,15 +106,20 @@ class SB3Policy:
             As of `SB3Policy`; ``None``: the statistics that `save` wrote. Files that SB3 wrote
             hold none; on-policy algorithms show whether there were some, off-policy ones rarely,
             so that theirs are refused until it is given.
+        trust
+            Whether the file, and that of ``normalize``, may run what it holds: the pickles in
+            which SB3 keeps all of a model. Needed for files that SB3 or an older coopenv wrote, and
+            for policy classes, feature extractors and spaces of your own.
 
         Raises
         ------
         InvalidInput
-            If the file is no policy, is broken, or the model cannot act as it was trained.
+            If the file is no policy, is broken, needs ``trust``, or the model cannot act as it was
+            trained.
         MissingExtra
             If sb3-contrib trained it and is not installed.
         """
-        saved = load_model(path, algorithm)
+        saved = load_model(path, algorithm, trust=trust)
         if normalize is None:
             normalize = _normalization(saved, path)
         try:
@@ -113,6 +129,7 @@ class SB3Policy:
                 normalize=normalize,
                 seed=seed,
                 notes=saved.notes,
+                trust=trust,
             )
         except InvalidInput as error:
             raise InvalidInput(f"{error} (policy {os.fspath(path)!r})") from error
@@ -236,7 +253,7 @@ def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | boo
     raise InvalidInput(
         f"normalize must be given for a policy that {'was' if needed else 'may have been'} "
         f"trained behind a VecNormalize, got none for {os.fspath(path)!r}; in Python, "
-        "SB3Policy.load(path, normalize=...) takes the file that VecNormalize.save "
+        "SB3Policy.load(path, normalize=..., trust=True) takes the file that VecNormalize.save "
         f"wrote{hint} or False if it left observations as they are, and .save writes a policy "
         "that the command line takes too"
     )

@@ -1,6 +1,7 @@
 """Spaces of a learned policy against the environment that it is to act in."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -9,6 +10,10 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
+
+from .plain import NotPlain
+
+_DTYPES = ("float32", "float64")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -90,6 +95,27 @@ def spaces_of(model: BaseAlgorithm) -> Spaces:
         bounded=np.isfinite(seen.low) | np.isfinite(seen.high),
         action_space=done,
     )
+
+
+def plain_box(space: gymnasium.Space) -> dict[str, Any]:
+    """A box of one row as JSON has it; raises `NotPlain` for another space."""
+    if not isinstance(space, gymnasium.spaces.Box) or len(space.shape) != 1:
+        raise NotPlain(f"the space {space!r:.60}")
+    if str(space.dtype) not in _DTYPES:
+        raise NotPlain(f"a space of {space.dtype}")
+    bounds = {name: [str(each) for each in getattr(space, name)] for name in ("low", "high")}
+    return {**bounds, "dtype": str(space.dtype)}
+
+
+def box_of(given: Any) -> gymnasium.spaces.Box:
+    """What `plain_box` wrote; raises `ValueError`, or of another kind, for anything else."""
+    if given["dtype"] not in _DTYPES:
+        raise ValueError(f"a space of {given['dtype']!r:.40}")
+    dtype: Any = np.dtype(given["dtype"]).type
+    low, high = (np.array([float(each) for each in given[name]], dtype) for name in ("low", "high"))
+    if np.isnan(low).any() or np.isnan(high).any() or (low > high).any():
+        raise ValueError("a space without room")
+    return gymnasium.spaces.Box(low, high, dtype=dtype)
 
 
 def _numbers(at: slice) -> range:

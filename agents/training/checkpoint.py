@@ -2,17 +2,19 @@
 
 import json
 import zipfile
+from collections import deque
 from copy import deepcopy
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
-from coopenv.files import written
 
 from ..curves import save_rows
-from ..learned import NOTES, read_notes
+from ..learned import NOTES, read_notes, save_model
+from ..learned.archive import first_line, object_in, opened
 from ..learned.finite import require_finite
+from ..learned.weights import put_weights, read_weights
 from ..provenance import Provenance
 from .progress import Progress
 
@@ -22,6 +24,7 @@ except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
 POLICY, CHECKPOINT = "policy.zip", "checkpoint.zip"  # in a run's folder: finished, under way
+LOGGED = 100  # episodes over which Stable-Baselines3 logs means
 PROGRESS = "coopenv_progress.json"  # in the file, beside the entries of Stable-Baselines3
 REMEDY = "choose another out, or start over with fresh=True (--fresh)"
 
@@ -58,12 +61,49 @@ class Checkpoint:
             raise InvalidInput(
                 f"out must hold whole files of a run, got {path}: {error}; {REMEDY}"
             ) from error
-        except (KeyError, TypeError, ValueError) as error:
+        except Exception as error:  # values of another kind can raise anything
             raise InvalidInput(
                 f"out must hold no file of another kind of that name, got {path}, which does not "
                 f"say what run it is of; {REMEDY}"
             ) from error
         return cls(path=path, provenance=provenance, progress=progress)
+
+    def restore(self, model: BaseAlgorithm, *, rows: int) -> None:
+        """Bring a model of this run, as it is begun, to where the checkpoint was written.
+
+        Numbers alone are read; what Stable-Baselines3 pickles beside them is what the run's
+        settings say anyway.
+
+        Parameters
+        ----------
+        model
+            As the run's settings make it.
+        rows
+            Of the ``VecEnv``, in a control step of a world.
+
+        Raises
+        ------
+        InvalidInput
+            If the file is damaged, or of a model of another build.
+        """
+        try:
+            with opened(self.path) as archive:
+                object_in(archive, "data", self.path)
+                put_weights(model, read_weights(archive, str(self.path)))
+            require_finite(model, f"of {str(self.path)!r}")
+        except InvalidInput as error:
+            raise InvalidInput(f"{error}; or {REMEDY}") from error
+        except Exception as error:  # weights of another build can raise anything
+            raise InvalidInput(
+                f"out must hold weights of this run, got {self.path} ({type(error).__name__}: "
+                f"{first_line(error)}); {REMEDY}"
+            ) from error
+        model.num_timesteps = self.progress.steps * rows
+        ended = self.progress.ended()
+        model.ep_info_buffer = deque(
+            ({"r": each["reward"], "l": each["length"]} for each in ended), maxlen=LOGGED
+        )
+        model.ep_success_buffer = deque((each["success"] for each in ended), maxlen=LOGGED)
 
     def check(self, provenance: Provenance) -> None:
         """Raise `InvalidInput` unless it is of the run that ``provenance`` begins."""
@@ -77,15 +117,12 @@ class Checkpoint:
 
 def save(path: Path, model: BaseAlgorithm, provenance: Provenance, progress: Progress) -> None:
     """Write the model with its provenance and progress into one file, whole or not at all."""
-    kind = type(model)
-    algorithm = f"{kind.__module__}:{kind.__qualname__}"
-    notes = {"algorithm": algorithm, "normalized": False, **provenance.to_notes()}
-    with written(path) as part:
-        with part.open("wb") as file:
-            model.save(file)
-        with zipfile.ZipFile(part, "a", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr(NOTES, json.dumps(notes, indent=2) + "\n")
-            archive.writestr(PROGRESS, json.dumps(asdict(progress)))
+    save_model(
+        model,
+        path,
+        notes=provenance.to_notes(),
+        members={PROGRESS: json.dumps(asdict(progress))},
+    )
 
 
 class Keeper:

@@ -18,6 +18,8 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
+LARGEST = 1e300  # of a number in a curve, beyond which no picture is drawn
+
 Episode = dict[str, float]
 """An episode that ended: ``success``, ``reward``, ``length`` and its means by name; without those
 that are undefined in it."""
@@ -43,7 +45,7 @@ class Progress:
         InvalidInput
             If an entry is missing, unknown or of another kind.
         """
-        kinds = {"steps": _is_count, "rows": _are_rows, "window": _is_window}
+        kinds = {"steps": _is_count, "rows": _are_curves, "window": _is_window}
         if not isinstance(given, dict) or set(given) != set(kinds):
             raise InvalidInput(
                 f"progress must have {', '.join(kinds)}, got {given!r:.80}; the file is damaged: "
@@ -61,6 +63,11 @@ class Progress:
         """One that goes on by itself."""
         return replace(self, rows=[*self.rows], window=[*self.window])
 
+    def ended(self) -> list[Episode]:
+        """Episodes of the window of which all is known that every one has."""
+        needed = {"success", "reward", "length"}
+        return [episode for episode in chain(*self.window) if needed <= set(episode)]
+
     def add(self, ended: list[Episode], *, rollouts: int) -> None:
         """Let a rollout's episodes into the window, which holds that many rollouts."""
         self.window = [*self.window, ended][-rollouts:]
@@ -70,12 +77,20 @@ def _is_count(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and value >= 0
 
 
+def _are_curves(value: Any) -> bool:
+    """Whether it is a list of numbers by name, each with the steps at which it stands."""
+    return _are_rows(value) and all("steps" in row for row in value)
+
+
 def _are_rows(value: Any) -> bool:
     """Whether it is a list of numbers by name."""
     return isinstance(value, list) and all(
-        isinstance(row, dict) and all(isinstance(number, int | float) for number in row.values())
-        for row in value
+        isinstance(row, dict) and all(map(_is_number, row.values())) for row in value
     )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < LARGEST
 
 
 def _is_window(value: Any) -> bool:

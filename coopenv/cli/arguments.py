@@ -5,10 +5,11 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stderr
 from dataclasses import fields, is_dataclass
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import Annotated, Any, Union, get_type_hints
 
+from coopenv.config.own_code import Trust
 from coopenv.errors import CoopenvError, MissingExtra, likely
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -75,7 +76,23 @@ def _from_file(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
         name, equals, value = option.partition("=")
         if name == "--config":
             path = value if equals else following
-    return configured(Path(path)) if configured is not None and path else None
+    return configured(Path(path), _trusted(arguments)) if configured is not None and path else None
+
+
+def _trusted(arguments: Sequence[str]) -> Trust:
+    """Modules that the command line itself names; all if it trusts its files as a whole."""
+    named: list[str] = []
+    for place, option in enumerate(arguments):
+        name, equals, value = option.partition("=")
+        words = takewhile(lambda word: not word.startswith("--"), arguments[place + 1 :])
+        given = [value] if equals else [*words]
+        if name == "--trust" and not given:
+            return True
+        if name == "--trust":
+            named += given
+        elif name == "--env" and given:
+            named.append(given[0].rpartition(":")[0])
+    return named
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:

@@ -16,6 +16,8 @@ from coopenv.agents.differences import differences
 from coopenv.agents.overrides import GROUPS, entries_of
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
+from coopenv.config.own_code import Trust
+from coopenv.envs.registry import require_trusted
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import reading
 
@@ -29,14 +31,23 @@ PLACES = {
 }
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     """The content of a file of options, of which every name is known.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    trust
+        Modules that may be imported because the file's ``env`` names them; ``True``: any. The
+        file itself cannot say.
 
     Raises
     ------
     InvalidInput
         If the file cannot be read, is neither TOML nor JSON, has another form or says ``fresh``;
-        or if it is of a run in another environment than its options name.
+        or if it is of a run in another environment than its options name, or names a module that
+        is not trusted.
     UnknownName
         If a name is not an option.
     """
@@ -51,14 +62,15 @@ def load(path: Path) -> dict[str, Any]:
     _refuse_fresh(content, path)
     for name, known in (("environment", ENVIRONMENT), ("evaluation", EVALUATION)):
         content[name] = _checked(content.get(name, {}), f"option in {path}, {name}", known)
+    require_trusted(_plain(content["environment"].get("env", ""), "env"), trust, str(path))
     if noted is not None:
         _check_recorded(noted, content, path)
     return content
 
 
-def training(path: Path) -> dict[str, Any]:
+def training(path: Path, trust: Trust = False) -> dict[str, Any]:
     """Options of ``coopenv train`` in a file, as its fields."""
-    content = load(path)
+    content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
     values["environment"] = environment(content["environment"], EnvironmentChoice())
     if isinstance(values.get("hidden"), list):
@@ -71,9 +83,9 @@ def training(path: Path) -> dict[str, Any]:
     return {"training": TrainConfig(**values), **comparison}
 
 
-def evaluation(path: Path, start: EnvironmentChoice) -> dict[str, Any]:
+def evaluation(path: Path, start: EnvironmentChoice, trust: Trust = False) -> dict[str, Any]:
     """Options of ``coopenv evaluate`` in a file, as its fields."""
-    content = load(path)
+    content = load(path, trust)
     values = dict(content["evaluation"])
     if "out" in values:
         values["out"] = _path(values["out"])

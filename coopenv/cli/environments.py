@@ -6,6 +6,8 @@ from pathlib import Path
 
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.config import TransportConfig
+from coopenv.config.own_code import Trust, is_trusted
+from coopenv.envs.registry import require_trusted
 from coopenv.errors import CoopenvError, InvalidInput
 
 RECORDED = "recorded"  # instead of an id: the environment that a policy was trained in
@@ -18,7 +20,7 @@ class Environment:
     env: str
     config: TransportConfig
 
-    def title(self, trust: tuple[str, ...] = ()) -> str:
+    def title(self, trust: Trust = False) -> str:
         """The id, and in words what is not its default.
 
         The id may come from a file: the module before its colon is imported only if it is one that
@@ -28,7 +30,7 @@ class Environment:
 
         module, _, name = self.env.rpartition(":")
         try:
-            default = find_config(self.env if module in trust else name, {})
+            default = find_config(self.env if module and is_trusted(module, trust) else name, {})
         except CoopenvError:
             return f"{self.env}, which is not registered here"
         others = described(self.config, default)
@@ -36,7 +38,7 @@ class Environment:
 
 
 def environments_of(
-    named: Mapping[str, str], choice: EnvironmentChoice, trust: tuple[str, ...] = ()
+    named: Mapping[str, str], choice: EnvironmentChoice, trust: Trust = False
 ) -> tuple[dict[str, Environment], list[str]]:
     """The environment of each policy, and what there is to say about them.
 
@@ -48,7 +50,7 @@ def environments_of(
         Options of the command line; with an id they are the whole environment, else they change
         what is recorded.
     trust
-        Modules of the user's own that a record may import.
+        Modules of the user's own that a record may import; ``True``: any.
 
     Raises
     ------
@@ -71,7 +73,7 @@ def environments_of(
     return {label: found.get(label, others) for label in named}, notes
 
 
-def _recorded(path: Path, trust: tuple[str, ...]) -> tuple[Environment, list[str]]:
+def _recorded(path: Path, trust: Trust) -> tuple[Environment, list[str]]:
     """What a policy's file records; without a record, what the settings beside it name.
 
     Raises `InvalidInput` if nothing says it.
@@ -91,6 +93,7 @@ def _recorded(path: Path, trust: tuple[str, ...]) -> tuple[Environment, list[str
             "while its model has its environment"
         )
     choice = TrainConfig.load(beside).environment
+    require_trusted(choice.env, trust, str(beside))
     note = (
         f"{path} does not say which environment it was trained in; it is evaluated in "
         f"{choice.env}, which {beside} names; --env and the other options choose another"

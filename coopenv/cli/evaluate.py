@@ -11,6 +11,7 @@ from coopenv.arrays import whole
 from coopenv.cli import configfile
 from coopenv.cli.environments import RECORDED, Environment, environments_of
 from coopenv.cli.policies import find_policy, labels
+from coopenv.config.own_code import Trust
 from coopenv.errors import InvalidInput
 from coopenv.files import require_writable
 
@@ -45,16 +46,18 @@ class Evaluate:
     """Episodes run side by side."""
     out: Path | None = None
     """File for the table, .csv or .json."""
-    trust: tuple[str, ...] = ()
-    """Modules of your own that recorded environments may import, rewards of yours for example."""
+    trust: tuple[str, ...] | None = None
+    """Run what the files hold: alone, behind the policies, all of it, pickles of Stable-Baselines3
+    and code of your own; with names of modules, import these for a recorded environment, rewards of
+    yours for example, and nothing else."""
     config: Path | None = None
     """.toml or .json file with options under environment and evaluation; those that are given
     win."""
 
     @classmethod
-    def configured(cls, path: Path) -> Self:
-        """The command with the options of a file."""
-        return cls(**configfile.evaluation(path, cls().environment), config=path)
+    def configured(cls, path: Path, trust: Trust = False) -> Self:
+        """The command with the options of a file, which may import the modules that are trusted."""
+        return cls(**configfile.evaluation(path, cls().environment, trust), config=path)
 
     def over(self, file: Self) -> Self:
         """The command, its environment's numbers over those of the command from a file."""
@@ -69,7 +72,7 @@ class Evaluate:
         self._check()
         named = dict(zip(labels(self.policies), self.policies, strict=True))
         console, errors = Console(), Console(stderr=True)
-        places, notes = environments_of(named, self.environment, self.trust)
+        places, notes = environments_of(named, self.environment, self._trusted)
         title = self._title(places)
         for note in notes:
             errors.print(note, markup=False, soft_wrap=True)
@@ -77,6 +80,11 @@ class Evaluate:
         console.print(table(seen, title))
         if self.out is not None:
             save(seen, self.out)
+
+    @property
+    def _trusted(self) -> Trust:
+        """What the files may import: nothing, these modules, or anything."""
+        return False if self.trust is None else self.trust or True
 
     def _check(self) -> None:
         """Raise where a policy is missing, a number is wrong or the table cannot be written."""
@@ -86,6 +94,12 @@ class Evaluate:
             raise InvalidInput(
                 "policies must name at least one, got none; for example: coopenv evaluate scripted"
             )
+        for name in self.trust or ():
+            if not name.replace(".", "").isidentifier() or Path(name).is_file():
+                raise InvalidInput(
+                    f"trust must be given alone or with names of modules, got {name!r}; put "
+                    "--trust behind the policies"
+                )
         for name in self.policies:
             if self.policies.count(name) > 1:
                 raise InvalidInput(
@@ -103,7 +117,10 @@ class Evaluate:
     ) -> "list[Evaluation]":
         from coopenv.agents.evaluate import evaluate
 
-        policies = {label: find_policy(name, places[label].config) for label, name in named.items()}
+        policies = {
+            label: find_policy(name, places[label].config, trust=self._trusted is True)
+            for label, name in named.items()
+        }
         with console.status(f"evaluating on {self.episodes} held-out episodes"):
             return [
                 evaluate(
@@ -121,7 +138,7 @@ class Evaluate:
         """Environments, what they have other than their ids' defaults, and the episodes."""
         groups: dict[str, list[str]] = {}
         for label, place in places.items():
-            groups.setdefault(place.title(self.trust), []).append(label)
+            groups.setdefault(place.title(self._trusted), []).append(label)
         if len(groups) == 1:
             return f"{next(iter(groups))}, {self.episodes} episodes"
         lines = [f"{', '.join(group)}: {title}" for title, group in groups.items()]

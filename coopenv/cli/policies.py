@@ -12,8 +12,11 @@ if TYPE_CHECKING:
     from coopenv.agents.policy import Policy
 
 
-def find_policy(name: str, config: TransportConfig) -> "Policy":
-    """The policy of that name for an environment: a kind of scripted one, or a trained file."""
+def find_policy(name: str, config: TransportConfig, *, trust: bool = False) -> "Policy":
+    """The policy of that name for an environment: a kind of scripted one, or a trained file.
+
+    ``trust`` as of `coopenv.agents.sb3.SB3Policy.load`.
+    """
     from coopenv.agents.controllers import RandomPolicy, find_controller
 
     kind, _, allocation = name.partition(":")
@@ -33,7 +36,7 @@ def find_policy(name: str, config: TransportConfig) -> "Policy":
                 f"policy must be random, scripted or the file of a trained policy, got {name!r}; "
                 f"{remedy}"
             )
-        return SB3Policy.load(name)
+        return SB3Policy.load(name, trust=trust)
 
 
 def labels(names: Sequence[str]) -> list[str]:

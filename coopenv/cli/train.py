@@ -13,6 +13,7 @@ from coopenv.arrays import whole
 from coopenv.cli import configfile
 from coopenv.cli.environments import Environment
 from coopenv.config import TransportConfig
+from coopenv.config.own_code import Trust
 from coopenv.errors import MissingExtra
 from coopenv.files import locked, require_folder
 
@@ -38,11 +39,13 @@ class Train:
     """Draw an episode of the trained policy."""
     config: Path | None = None
     """.toml or .json file with options, such as config.json of a run; those that are given win."""
+    trust: bool = False
+    """Import the module that the file of options names before its id (module:id)."""
 
     @classmethod
-    def configured(cls, path: Path) -> Self:
-        """The command with the options of a file."""
-        return cls(**configfile.training(path), config=path)
+    def configured(cls, path: Path, trust: Trust = False) -> Self:
+        """The command with the options of a file, which may import the modules that are trusted."""
+        return cls(**configfile.training(path, trust), config=path)
 
     def over(self, file: Self) -> Self:
         """The command, its environment's numbers over those of the command from a file."""

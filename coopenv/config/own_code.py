@@ -49,7 +49,7 @@ def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
         If it is not trusted, not there, or its source file is not what it was.
     """
     module, _, inside = name.partition(":")
-    if not _is_trusted(module, trust):
+    if not is_trusted(module, trust):
         raise InvalidInput(
             f"{part} must be of coopenv unless you trust the text, got {name!r}, which loading "
             "would import and run; if you know where the text is from, pass "
@@ -74,6 +74,14 @@ def read_name(name: str, digest: Any, part: str, trust: Trust) -> Any:
     return found
 
 
+def is_trusted(module: str, trust: Trust) -> bool:
+    """Whether a module may be imported because a text names it: it or what it is in is trusted."""
+    if isinstance(trust, bool):
+        return trust
+    names = (trust,) if isinstance(trust, str) else trust
+    return any(module == name or module.startswith(f"{name}.") for name in names)
+
+
 def frozen(kind: Any, part: str) -> type:
     """``kind``, or raise `InvalidInput` unless it is a class of frozen dataclasses."""
     made = isinstance(kind, type) and is_dataclass(kind)
@@ -88,13 +96,6 @@ def frozen(kind: Any, part: str) -> type:
 def read_hash(path: str | Path) -> str:
     """SHA-256 of a source file; how its lines end makes no difference."""
     return sha256(Path(path).read_bytes().replace(b"\r\n", b"\n")).hexdigest()
-
-
-def _is_trusted(module: str, trust: Trust) -> bool:
-    if isinstance(trust, bool):
-        return trust
-    names = (trust,) if isinstance(trust, str) else trust
-    return any(module == name or module.startswith(f"{name}.") for name in names)
 
 
 def _imported(module: str, part: str) -> Any:

@@ -9,6 +9,7 @@ import gymnasium
 from pettingzoo import AECEnv
 
 from coopenv.config import TransportConfig
+from coopenv.config.own_code import Trust, is_trusted
 from coopenv.envs.parallel import TransportParallelEnv, aec
 from coopenv.envs.single import TransportEnv
 from coopenv.envs.spec import defaults_of
@@ -149,6 +150,8 @@ def find_config(env: str, keywords: Mapping[str, Any]) -> TransportConfig:
     InvalidInput
         If the module cannot be imported.
     """
+    if not isinstance(env, str):
+        raise UnknownName("env", env, _REGISTERED)
     module, _, name = env.rpartition(":")
     if module:
         _import(module)
@@ -158,6 +161,27 @@ def find_config(env: str, keywords: Mapping[str, Any]) -> TransportConfig:
         raise UnknownName("env", env, _REGISTERED)
     own = {key: value for key, value in spec.kwargs.items() if key != "registered"}
     return TransportConfig.parse({**own, **keywords}, defaults)
+
+
+def require_trusted(env: str, trust: Trust, source: str) -> None:
+    """Raise `InvalidInput` if ``env``, which a file says, would import what is not trusted.
+
+    Parameters
+    ----------
+    env
+        Id, perhaps ``"module:id"``.
+    trust
+        Modules that may be imported because a file names them.
+    source
+        The file, for the error.
+    """
+    module, _, _ = env.rpartition(":")
+    if module and not is_trusted(module, trust):
+        raise InvalidInput(
+            f"env must be an id without a module where a file says it, got {env!r} in {source}, "
+            f"which would import and run {module!r}; if you know where the file is from, give "
+            f"--env {env} on the command line, or --trust"
+        )
 
 
 def _registered(name: str) -> Views:

@@ -103,7 +103,9 @@ def test_a_file_that_names_no_environment_is_evaluated_only_in_one_that_is_named
         assert cli.main(["evaluate", str(old), "--episodes=2", *options]) == 1
         assert "old.zip, which does not; give --env" in capsys.readouterr().err
     env = "--env=coopenv/BeamTransport-v0"
-    evaluated("evaluate", old, env, "--horizon=4", out=tmp_path / "table.csv")
+    assert cli.main(["evaluate", str(old), env, "--horizon=4", "--episodes=2"]) == 1
+    assert "load it with trust=True (--trust)" in capsys.readouterr().err
+    evaluated("evaluate", old, env, "--horizon=4", "--trust", out=tmp_path / "table.csv")
     assert "coopenv/BeamTransport-v0 with horizon 4" in capsys.readouterr().out
 
 
@@ -113,7 +115,7 @@ def test_an_older_file_is_evaluated_in_what_the_settings_beside_it_name(files, t
     del settings["provenance"]
     settings["environment"]["horizon"] = 6
     (tmp_path / "config.json").write_text(json.dumps(settings))
-    evaluated("evaluate", old, out=tmp_path / "table.csv")
+    evaluated("evaluate", old, "--trust", out=tmp_path / "table.csv")
     captured = capsys.readouterr()
     assert "config.json names" in captured.err
     assert "horizon 6" in captured.out

@@ -49,8 +49,8 @@ def test_every_algorithm_loads_without_being_named(name, tmp_path):
     assert expected.shape == (5, 2, 3)
     policy.save(tmp_path / "ours.zip")
     model.save(tmp_path / "theirs.zip")
-    for written in ("ours", "theirs"):
-        loaded = SB3Policy.load(tmp_path / f"{written}.zip", normalize=False)
+    for written, trust in (("ours", False), ("ours", True), ("theirs", True)):
+        loaded = SB3Policy.load(tmp_path / f"{written}.zip", normalize=False, trust=trust)
         np.testing.assert_array_equal(loaded(obs, transition), expected)
         assert type(loaded.model).__name__ == (
             "TD3" if (written, name) == ("theirs", "DDPG") else name
@@ -77,7 +77,7 @@ def test_an_algorithm_of_ones_own_is_asked_for_and_not_imported_from_a_file(tmp_
 
 def test_a_policy_class_of_ones_own_shows_whose_it_is(tmp_path):
     untrained(PPO, small(), OwnPolicy).save(tmp_path / "model.zip")
-    assert isinstance(SB3Policy.load(tmp_path / "model.zip").model, PPO)
+    assert isinstance(SB3Policy.load(tmp_path / "model.zip", trust=True).model, PPO)
 
 
 def test_what_others_note_in_the_file_stays_there(file, tmp_path):
@@ -100,7 +100,8 @@ def test_notes_of_others_alone_do_not_matter(tmp_path):
     trained("SAC", small()).save(tmp_path / "model.zip")
     assert read_notes(tmp_path / "model.zip") == {}
     write_member(tmp_path / "model.zip", "coopenv.json", json.dumps({"rows": []}))
-    assert type(SB3Policy.load(tmp_path / "model.zip", normalize=False).model) is SAC
+    loaded = SB3Policy.load(tmp_path / "model.zip", normalize=False, trust=True)
+    assert type(loaded.model) is SAC
 
 
 def test_the_suffix_may_be_left_out_as_in_sb3(file):
@@ -188,7 +189,7 @@ def test_without_sb3_contrib_the_file_says_what_to_install(name, by, tmp_path, m
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "sb3_contrib", None)
     with pytest.raises(MissingExtra, match=r"coopenv\[contrib\]"):
-        SB3Policy.load(path)
+        SB3Policy.load(path, trust=by == "SB3")
 
 
 class Buttons(gymnasium.Env):
@@ -212,7 +213,7 @@ def test_policies_that_choose_among_actions_are_refused(algorithm, tmp_path):
     model = algorithm("MlpPolicy", Buttons(), device="cpu", policy_kwargs={"net_arch": [8]})
     model.save(tmp_path / "model.zip")
     with pytest.raises(InvalidInput, match=rf"Discrete\(3\) of {algorithm.__name__}.*model\.zip"):
-        SB3Policy.load(tmp_path / "model.zip")
+        SB3Policy.load(tmp_path / "model.zip", trust=True)
 
 
 @pytest.mark.parametrize(

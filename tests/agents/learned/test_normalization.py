@@ -71,11 +71,12 @@ def test_a_file_of_sb3_from_a_normalised_training_is_refused_without_statistics(
     model = trained(name, venv)
     model.save(tmp_path / "model.zip")
     with pytest.raises(InvalidInput, match=r"that was trained behind a VecNormalize.*model\.zip"):
-        SB3Policy.load(tmp_path / "model.zip")
+        SB3Policy.load(tmp_path / "model.zip", trust=True)
     venv.save(str(tmp_path / "vecnormalize.pkl"))
     with pytest.raises(InvalidInput, match=r"vecnormalize\.pkl' for example"):
-        SB3Policy.load(tmp_path / "model.zip")
-    policy = SB3Policy.load(tmp_path / "model.zip", normalize=tmp_path / "vecnormalize.pkl")
+        SB3Policy.load(tmp_path / "model.zip", trust=True)
+    statistics = tmp_path / "vecnormalize.pkl"
+    policy = SB3Policy.load(tmp_path / "model.zip", normalize=statistics, trust=True)
     obs, transition = start()
     np.testing.assert_allclose(policy(obs, transition), wanted(model, venv, obs), atol=1e-6)
 
@@ -95,7 +96,7 @@ def test_a_model_that_has_lost_its_normalised_environment_is_refused(tmp_path):
 
 def test_a_training_that_normalised_nothing_or_rewards_alone_needs_no_statistics(tmp_path):
     trained("PPO", small()).save(tmp_path / "model.zip")
-    assert SB3Policy.load(tmp_path / "model.zip").normalization is None
+    assert SB3Policy.load(tmp_path / "model.zip", trust=True).normalization is None
     model = trained("PPO", VecNormalize(small(), norm_obs=False))
     SB3Policy(model).save(tmp_path / "policy.zip")
     loaded = SB3Policy.load(tmp_path / "policy.zip")
@@ -114,9 +115,9 @@ def test_statistics_of_another_kind_are_refused(tmp_path):
     wrong: list[str | Path | int] = [text, tmp_path / "nothing.pkl", str(array), 3]
     for given in wrong:
         with pytest.raises(InvalidInput, match="normalize must be"):
-            SB3Policy(model, normalize=given)  # type: ignore[arg-type]
+            SB3Policy(model, normalize=given, trust=True)  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match="44 features that the policy takes, got 22"):
-        SB3Policy(model, normalize=other)
+        SB3Policy(model, normalize=other, trust=True)
     with pytest.raises(InvalidInput, match="normalize must be"):
         SB3Policy(model, normalize=True)
 
@@ -126,10 +127,10 @@ def test_a_file_that_does_not_say_whether_it_was_normalised_is_refused(tmp_path)
     trained("SAC", small()).save(tmp_path / "model.zip")
     for name in ("traceless", "model"):
         with pytest.raises(InvalidInput, match=rf"may have been.*{name}\.zip.*\.save writes"):
-            SB3Policy.load(tmp_path / f"{name}.zip")
+            SB3Policy.load(tmp_path / f"{name}.zip", trust=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        SB3Policy.load(tmp_path / "model.zip", normalize=False)
+        SB3Policy.load(tmp_path / "model.zip", normalize=False, trust=True)
     normalized().save(str(tmp_path / "vec_normalize.pkl"))
     with pytest.raises(InvalidInput, match=r"may have been.*vec_normalize\.pkl"):
-        SB3Policy.load(tmp_path / "model.zip")
+        SB3Policy.load(tmp_path / "model.zip", trust=True)
