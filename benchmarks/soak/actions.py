@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from benchmarks.soak.drawn.features import any_environment
 from benchmarks.soak.drawn.pushes import any_pushes
-from benchmarks.soak.watch import Watch, flat
+from benchmarks.soak.watch import Watch
 from coopenv import Transport, TransportConfig
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.info import Info
@@ -102,5 +102,5 @@ def digest(core: Transport, ride: Ride) -> dict[str, int]:
     """Checksums of all that a step showed, by name."""
     shown: dict[str, npt.NDArray[Any]] = {"obs": ride.obs, "reward": ride.reward}
     shown |= {"again": ride.again, "pose": core.world.pose, "twist": core.world.twist}
-    shown |= flat(ride.info)
+    shown |= ride.info
     return {name: crc32(np.ascontiguousarray(value).data) for name, value in shown.items()}

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from coopenv import Transport
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.info import UNDEFINED_AT_START, Info
+from coopenv.info import Info
 
 UNBALANCED = ("virtual_linkage",)  # methods that need not balance: docs/decomposition.md
 BALANCED, PLAUSIBLE, ADDED = 1e-9, 1e-8, 1e-12  # in parts of the largest force or torque; of reward
@@ -37,13 +37,13 @@ class Watch:
         """At what a step returned; ``again``: which worlds began anew with it."""
         place = f"{self._name}, step {self._steps}"
         self._steps += 1
-        core, seen = self._core, flat(info)
-        check_finite({"observation": obs, "reward": reward, **seen}, place)
+        core = self._core
+        check_finite({"observation": obs, "reward": reward, **info}, place)
         low, high = core.observation.low, core.observation.high
         outside = np.argwhere((obs < low) | (obs > high))
         assert not len(outside), f"{place}: feature {outside[0].tolist()} is outside its space"
         assert obs.dtype == np.float32, f"{place}: observations are {obs.dtype}"
-        parts = [value for name, value in seen.items() if name.startswith("reward_terms/")]
+        parts = list(info["reward_terms"].values())
         off = np.abs(sum(parts) - reward) / (1.0 + sum(map(np.abs, parts)))
         assert off.max() <= ADDED, f"{place}: reward is {off.max():.1e} off the sum of its parts"
         self._look_inside(place, again)
@@ -63,21 +63,10 @@ class Watch:
         assert beyond[worst] <= 0, f"{place}: world {worst} is {beyond[worst]:.3f} m in a wall"
 
 
-def flat(info: Info) -> dict[str, FloatArray]:
-    """Infos with the names of nested ones put together."""
-    found = {}
-    for name, value in info.items():
-        if isinstance(value, dict):
-            found |= {f"{name}/{inner}": entry for inner, entry in flat(value).items()}
-        else:
-            found[name] = value
-    return found
-
-
 def check_finite(shown: dict[str, npt.NDArray[Any]], place: str) -> None:
-    """Raise unless every number is one; load shares may be NaN, where they are undefined."""
+    """Raise unless every number is one."""
     for name, value in shown.items():
-        bad = np.isinf(value) if name in UNDEFINED_AT_START else ~np.isfinite(value)
+        bad = ~np.isfinite(value)
         assert not bad.any(), (
             f"{place}: {name} is {value[bad][0]} at {np.argwhere(bad)[0].tolist()}"
         )

@@ -425,7 +425,8 @@ def test_a_vector_collects_pictures_as_gymnasiums_own_over_single_ones(view, mod
         envs.reset(seed=0)
     for _ in range(2):
         for _ in range(5):
-            ours.step(still), theirs.step(still)
+            ours.step(still)
+            theirs.step(still)
         for mine, wanted in zip(ours.render(), theirs.render(), strict=True):
             assert len(mine) == len(wanted) > 0
             for got, want in zip(mine, wanted, strict=True):

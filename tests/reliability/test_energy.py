@@ -60,12 +60,13 @@ def test_no_control_step_gains_more_energy_than_its_wrench_can_give(name):
     core.reset(seed=1)
     generator, load = np.random.default_rng(1), core.conditions.load
     mass = np.column_stack([load.mass, load.mass, load.inertia])  # of each part of the twist
-    touched = 0
+    touched, action = 0, np.zeros((64, 2, 3))
     for step in range(300):
         if step % 10 == 0:
             action = generator.choice([-1.0, 1.0], (64, 2, 3))
         before = core.world.twist
         *_, terminated, truncated, _ = core.advance(action)
+        assert core.transition is not None
         wrench = sum_at_centre(core.transition.applied, core.team.grips)
         root = np.sqrt((mass * core.world.twist**2).sum(axis=1))  # √(2E)
         most = np.sqrt((mass * before**2).sum(axis=1))
