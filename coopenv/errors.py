@@ -135,7 +135,7 @@ class SolverError(CoopenvError, RuntimeError):
 
 
 class ResetNeeded(CoopenvError, RuntimeError):
-    """A world was stepped before its first reset or after its episode ended."""
+    """A world was stepped before its first reset, after its episode ended or a call broke off."""
 
 
 class CoreInUse(CoopenvError, RuntimeError):

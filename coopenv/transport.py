@@ -37,6 +37,8 @@ MOST_WORLDS = 10**6  # more take hours to make, and more memory than there is
 class Transport:
     """A batch of worlds in which a team carries an object; numpy in and out, no autoreset.
 
+    It belongs to one thread at a time.
+
     Parameters
     ----------
     num_worlds
@@ -57,9 +59,12 @@ class Transport:
         or those that ``config.partner`` does not drive. Infos are of all agents, but
         ``reward/<term>``.
     transition
-        The last step, or the start; ``None`` before the first reset.
+        The last step, or the start; ``None`` before the first reset, and after a step or a reset
+        that broke off in the middle.
     generators
         One `numpy.random.Generator` a world, going on from episode to episode.
+    turn
+        Held by the thread that steps or resets.
 
     Examples
     --------
@@ -107,7 +112,7 @@ class Transport:
         self._episodes = Episodes(self._task, self.num_worlds, dt=self.dt, horizon=self.horizon)
         self._obs = np.zeros((0,), dtype=np.float32)
         self._info = Info()
-        self.turn = RLock()  # of the thread that steps or resets it
+        self.turn = RLock()
 
     def __reduce__(self):
         """Copies and pickles of a transport that was not reset yet are made from its configuration.
@@ -173,6 +178,8 @@ class Transport:
         InvalidInput
             If an argument has the wrong shape, a start or a goal is in something solid, or a
             world is left that never started.
+        CoreInUse
+            If another thread steps or resets the core.
         """
         worlds = marked_worlds(mask, self.num_worlds, first=self.transition is None)
         pose = given_pose(pose, "pose", self.num_worlds)
@@ -191,6 +198,7 @@ class Transport:
             )
             check_free(worlds, given, drawn.scenes)
         self.conditions = drawn
+        before, self.transition = self.transition, None  # until this is done, no step may follow
         start = self._start(
             worlds,
             drawn_pose if pose is None else pose[worlds],
@@ -199,10 +207,10 @@ class Transport:
         obs = self.driven.of_learners(self.observation(start, worlds))
         info = start_info(start, tuple(self.reward), len(self.learners))
         self.driven.begin(worlds, self.generators, start)
-        if self.transition is None or len(worlds) == self.num_worlds:
+        if before is None or len(worlds) == self.num_worlds:
             self.transition = start
         else:
-            self.transition = self.transition.with_worlds(worlds, start, self.conditions)
+            self.transition = before.with_worlds(worlds, start, self.conditions)
             obs = with_rows(self._obs, worlds, obs)
             info = with_worlds(Info({name: self._info[name] for name in info}), worlds, info)
         info.update(self.driven.info(self.transition))
@@ -233,7 +241,9 @@ class Transport:
             If the action has the wrong shape, is not finite or of no real numbers, or ``restart``
             is not one boolean a world; nothing has moved then.
         ResetNeeded
-            If a world has ended, or never started.
+            If a world has ended, or never started, or the last step or reset broke off.
+        CoreInUse
+            If another thread steps or resets the core.
         """
         obs, reward, terminated, truncated, info = self.advance(action, restart=restart)
         return obs.copy(), reward, terminated.copy(), truncated.copy(), copied(info)
@@ -250,7 +260,7 @@ class Transport:
             restart = booleans(restart, "restart", self.num_worlds)
         before = self._running(restart)
         clipped, applied = self._applied(action, before, restart)
-        self.transition = None  # an interrupted step leaves worlds that no episode goes on from
+        self.transition = None  # from the middle of a step no episode goes on
         self.world.step(sum_at_centre(applied, self.team.grips))
         next_state = self._state(before.next_state.goal, self._episodes.tick())
         success, truncated = self._episodes.judge(self.conditions, next_state)
@@ -285,8 +295,8 @@ class Transport:
         """The last transition; raises `ResetNeeded` unless a step may follow in every world."""
         if self.transition is None:
             raise ResetNeeded(
-                "reset must be called before the first step and after one that broke off, got a "
-                "step; call reset()"
+                "reset must be called before the first step and after a call that broke off, got "
+                "a step; call reset()"
             )
         self._episodes.check_running(restart)
         return self.transition

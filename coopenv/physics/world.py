@@ -298,7 +298,7 @@ def _buffer(owner: object) -> batch.Buffer:
         buffer = _spare.pop()
     except IndexError:
         buffer = batch.Buffer()
-    weakref.finalize(owner, _give_back, buffer)
+    weakref.finalize(owner, _give_back, buffer).atexit = False  # worlds may still be stepped then
     return buffer
 
 

@@ -154,4 +154,5 @@ def test_steps_of_a_view_leave_nothing_behind(view, steps):
     viewed = view("coopenv/BeamDoorway-v0")
     warm_up = max(1000 // viewed.per_call, 20)
     grown = growth(viewed.step, warm_up=warm_up, times=max(steps // viewed.per_call, 50))
-    check_flat(grown, fewer_than=50, c_bytes=100_000)
+    # Contacts of pymunk take memory for as many as there ever were at once.
+    check_flat(grown, fewer_than=50, c_bytes=300_000)

@@ -189,19 +189,24 @@ def test_a_step_that_fails_waits_for_all_shards(monkeypatch):
     assert ended
 
 
-def test_after_a_step_that_broke_off_no_episode_goes_on(monkeypatch):
+def test_after_a_call_that_broke_off_no_episode_goes_on(monkeypatch):
     core = started(2)
-    with monkeypatch.context() as patched:
-        patched.setattr(core.world, "step", interrupted)
-        with pytest.raises(KeyboardInterrupt):
+    calls = {
+        "step": lambda: core.step(actions(2)[0]),
+        "place": lambda: core.reset(mask=[True, False]),
+    }
+    for name, call in calls.items():
+        with monkeypatch.context() as patched:
+            patched.setattr(core.world, name, interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                call()
+        with pytest.raises(ResetNeeded, match="after a call that broke off"):
             core.step(actions(2)[0])
-    with pytest.raises(ResetNeeded, match="after one that broke off"):
-        core.step(actions(2)[0])
-    core.reset(seed=0)
-    np.testing.assert_array_equal(ride(core), ride(started(2)))
+        core.reset(seed=0)
+        np.testing.assert_array_equal(ride(core), ride(started(2)))
 
 
-def interrupted(_: Any) -> None:
+def interrupted(*_: Any) -> None:
     raise KeyboardInterrupt
 
 
