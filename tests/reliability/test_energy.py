@@ -60,10 +60,10 @@ def test_no_control_step_gains_more_energy_than_its_wrench_can_give(name):
     core.reset(seed=1)
     generator, load = np.random.default_rng(1), core.conditions.load
     mass = np.column_stack([load.mass, load.mass, load.inertia])  # of each part of the twist
-    touched, action = 0, np.zeros((64, 2, 3))
+    action, touched = np.zeros((64, 2, 3)), 0
     for step in range(300):
         if step % 10 == 0:
-            action = generator.choice([-1.0, 1.0], (64, 2, 3))
+            action = generator.choice([-1.0, 1.0], action.shape)
         before = core.world.twist
         *_, terminated, truncated, _ = core.advance(action)
         assert core.transition is not None
