@@ -27,7 +27,7 @@ class Scene:
     words: str
     """Of the command line."""
     inputs: tuple[str, ...] = ()
-    """Files that it reads; see `inputs`."""
+    """Files that it reads; see `input_of`."""
 
     @property
     def is_training(self) -> bool:
@@ -44,7 +44,7 @@ class Scene:
 
     def prepare(self, folder: Path, rng: np.random.Generator | None = None) -> dict[str, bytes]:
         """Write what it reads and, with ``rng``, some files that it will replace; all of them."""
-        old = {name: inputs()[name] for name in self.inputs}
+        old = {name: input_of(name) for name in self.inputs}
         if rng is not None and not self.is_training:  # which takes a foreign file for another run
             names = [name for name in undisturbed(self).files if name not in old]
             old |= {name: OLD for name in names if rng.random() < 0.5}
@@ -103,36 +103,40 @@ def undisturbed(scene: Scene) -> Whole:
         return Whole(files=files_in(folder), seconds=ended.seconds)
 
 
+def input_of(name: str) -> bytes:
+    """A file that commands read: a recording, one a format, or a policy."""
+    if name == "policy.zip":
+        return undisturbed(TRAIN).files[f"{RUN}/policy.zip"]
+    return _recording(name)
+
+
 @cache
-def inputs() -> dict[str, bytes]:
-    """Recordings of random wrenches, one a format, and a policy."""
+def _recording(name: str) -> bytes:
+    """Random wrenches and motion, in the format that the name says."""
     rng = np.random.default_rng(0)
     columns = {"time": np.arange(ROWS) * 0.01}
-    for name in ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z", "x", "y", "theta", "vx", "vy", "omega"):
-        columns[name] = rng.normal(size=ROWS)
-    found = {}
+    for each in ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z", "x", "y", "theta", "vx", "vy", "omega"):
+        columns[each] = rng.normal(size=ROWS)
     with TemporaryDirectory() as folder:
-        for name in ("a.csv", "a.npz", "a.parquet"):
-            path = Path(folder) / name
-            sink = open_sink(path)
-            sink.write(columns)
-            sink.close()
-            found[name] = path.read_bytes()
-    return found | {"policy.zip": undisturbed(TRAIN).files[f"{RUN}/policy.zip"]}
+        path = Path(folder) / name
+        sink = open_sink(path)
+        sink.write(columns)
+        sink.close()
+        return path.read_bytes()
 
 
 def files_in(folder: Path) -> dict[str, bytes]:
-    """Name → content of all files below a folder, but TensorBoard's logs and empty locks."""
+    """Name → content of all files below a folder, but TensorBoard's logs."""
     paths = [path for path in sorted(folder.rglob("*")) if path.is_file()]
     return {
         path.relative_to(folder).as_posix(): path.read_bytes()
         for path in paths
-        if "tensorboard" not in path.parts and not path.name.endswith("lock")
+        if "tensorboard" not in path.parts
     }
 
 
 def is_left_over(name: str) -> bool:
-    """Whether a file has a temporary name."""
+    """Whether a file is there for the time of a command: under a temporary name, or a lock."""
     return Path(name).name.startswith(".")
 
 

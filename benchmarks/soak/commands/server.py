@@ -136,6 +136,8 @@ class Server:
         asked, replies = self._process.stdin, self._process.stdout
         assert asked is not None
         assert replies is not None
+        for name in (OUT, ERR):  # also where it is killed before it opens them
+            (Path(task.folder) / name).touch()
         print(json.dumps(asdict(task)), file=asked, flush=True)
         return Child(task, int(_line(replies)["pid"]), replies)
 
@@ -169,6 +171,7 @@ def _paths() -> list[str]:
 def _line(replies: IO[str]) -> dict[str, Any]:
     line = replies.readline()
     if not line:
+        server.cache_clear()  # the next trial has another
         raise RuntimeError("the server of commands has ended")
     return json.loads(line)
 
@@ -246,7 +249,7 @@ def _become(task: Task) -> NoReturn:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     for number, name in ((1, OUT), (2, ERR)):
-        place = os.open(Path(task.folder) / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        place = os.open(Path(task.folder) / name, os.O_WRONLY)
         os.dup2(place, number)
     os.chdir(task.folder)
     sys.argv = ["coopenv", *task.arguments]
@@ -277,4 +280,5 @@ def _run(task: Task) -> int:
 
 
 if __name__ == "__main__":
-    _serve()
+    with suppress(BrokenPipeError):  # who asked has gone
+        _serve()

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from benchmarks.soak.commands.scenes import RUN, STEPS, TRAIN, inputs, undisturbed
+from benchmarks.soak.commands.scenes import RUN, STEPS, TRAIN, input_of, undisturbed
 from benchmarks.soak.commands.server import Task, is_sentence, server
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.sb3 import SB3Policy
@@ -20,28 +20,22 @@ from coopenv.logs import Layout, decompose_file
 
 BEAM = Layout(grips=(-0.9, 0.0, 0.9, 0.0))
 SETTINGS = """\
+steps = 300_000
+hidden = [64, 64]
+out = "runs/heavy"
+
+[environment]
 env = "coopenv/BeamDoorway-v0"
-horizon = 50
+reward = "harmony"
 observe = ["goal", "twist", "own_wrench"]
+body = { mass = 12.0, grips = [[-0.9, 0.0], [0.9, 0.0]] }
+task = { position_tolerance = 0.05 }
 
-[body]
-mass = 5.0
-grips = [[-0.9, 0.0], [0.9, 0.0]]
-
-[scene]
-size = [8.0, 6.0]
-
-[randomise]
-mass = [4.0, 9.0]
-
-[training]
-steps = 20000
-learning_rate = 3e-4
-hidden = [32, 32]
+[environment.weights]
+progress = 5.0
 
 [evaluation]
-episodes = 10
-num_worlds = 5
+episodes = 200
 """
 LAYOUT = """\
 grips = [[-0.9, 0.0], [0.9, 0.0]]
@@ -130,7 +124,7 @@ READERS = (
         Reader(
             name="recordings",
             file=name,
-            whole=lambda name=name: inputs()[name],
+            whole=lambda name=name: input_of(name),
             read=decompose,
         )
         for name in ("a.csv", "a.npz", "a.parquet")
