@@ -2,31 +2,26 @@
 
 A child is the program ``coopenv`` from its first line on, without the seconds of its imports: it
 has its own folder, its outputs go to files, and it ends as a process does, so that it can be killed
-at any moment. The server itself has one thread, which is what makes forking it sound.
+at any moment. The process that forks is in `forking`.
 
 Both ends talk in lines of JSON: a `Task` in, the child's number out, and its exit code once it has
 ended.
 """
 
 import atexit
-import gc
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
-import traceback
-from contextlib import redirect_stdout, suppress
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
-from importlib import import_module
 from math import inf
-from os import _exit as end_at_once
 from pathlib import Path
 from select import select
-from tempfile import TemporaryDirectory
-from typing import IO, Any, NoReturn
+from typing import IO, Any
 
 from benchmarks.soak.commands import faults
 
@@ -122,7 +117,7 @@ class Server:
         environment = {**os.environ, **dict.fromkeys(ALONE, "1"), "SDL_VIDEODRIVER": "dummy"}
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), *_paths())))
         self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__],
+            [sys.executable, "-m", "benchmarks.soak.commands.forking"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -174,111 +169,3 @@ def _line(replies: IO[str]) -> dict[str, Any]:
         server.cache_clear()  # the next trial has another
         raise RuntimeError("the server of commands has ended")
     return json.loads(line)
-
-
-def _import_all() -> None:
-    """Import what commands import when they run, so that no child has to."""
-    import matplotlib.backends.backend_agg
-    import pandas  # noqa: F401
-    import pyarrow.parquet  # noqa: F401
-    import statsmodels.formula.api  # noqa: F401
-    import tensorboard.compat.tensorflow_stub  # noqa: F401
-    import torch
-
-    import coopenv.agents.record
-    import coopenv.agents.studies.walker.turn
-    import coopenv.agents.train
-    import coopenv.cli
-    import coopenv.logs.run  # noqa: F401
-
-    torch.set_num_threads(1)
-    matplotlib.use("agg")
-
-
-WARM = (  # commands that load most kernels, fonts and the like
-    "evaluate random scripted --horizon 2 --episodes 2",
-    "evaluate random --env coopenv/WalkerTurn-v0 --horizon 2 --episodes 2",
-    "study walker-turn --out turn",
-)
-
-
-def _warm_up() -> None:
-    """Run commands in the server itself, so that children find their kernels loaded."""
-    import torch
-
-    from coopenv.cli import main
-
-    torch.optim.Adam([torch.zeros(1, requires_grad=True)])  # imports a compiler
-    with TemporaryDirectory() as folder, open(os.devnull, "w") as nowhere:
-        os.chdir(folder)
-        with redirect_stdout(nowhere):
-            for words in WARM:
-                main(words.split())
-        os.chdir(ROOT)
-    others = _threads() - {"jemalloc_bg_thd"}  # of pyarrow's allocator, which stops it at a fork
-    if len(others) > 1:
-        raise RuntimeError(f"the server must have one thread to be forked, got {others}")
-
-
-def _threads() -> set[str]:
-    """Names and numbers of this process's threads."""
-    return {path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")}
-
-
-def _serve() -> None:
-    """Fork a child for every task."""
-    _import_all()
-    _warm_up()
-    gc.collect()
-    gc.freeze()  # else each child looks through what was imported, and copies it by that
-    replies = os.fdopen(os.dup(sys.stdout.fileno()), "w")
-    for line in iter(sys.stdin.readline, ""):
-        task = Task(**json.loads(line))
-        pid = os.fork()
-        if not pid:
-            replies.close()
-            _become(task)
-        print(json.dumps({"pid": pid}), file=replies, flush=True)
-        _, status, used = os.wait4(pid, 0)
-        code, seconds = os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime
-        print(json.dumps({"code": code, "seconds": seconds}), file=replies, flush=True)
-
-
-def _become(task: Task) -> NoReturn:
-    """Be the program in this child, and end without taking apart what the server imported."""
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    for number, name in ((1, OUT), (2, ERR)):
-        place = os.open(Path(task.folder) / name, os.O_WRONLY)
-        os.dup2(place, number)
-    os.chdir(task.folder)
-    sys.argv = ["coopenv", *task.arguments]
-    try:
-        code = _run(task)
-    except SystemExit as stop:
-        code = stop.code if isinstance(stop.code, int) else 1
-    except BaseException:  # as the interpreter says it
-        traceback.print_exc()
-        code = 1
-    with suppress(OSError):
-        sys.stdout.flush()
-    end_at_once(code)
-
-
-def _run(task: Task) -> int:
-    """The exit code of the program."""
-    if task.fault is not None:
-        faults.install(*task.fault, folder=os.getcwd())
-    if task.module:
-        name = task.module
-        sys.path.insert(0, task.folder)
-        import_module(name)
-        return 0
-    from coopenv.cli import main
-
-    return main()
-
-
-if __name__ == "__main__":
-    with suppress(BrokenPipeError):  # who asked has gone
-        _serve()
