@@ -36,12 +36,12 @@ def test_killed_commands_lose_nothing_and_go_on(seed, tmp_path):
 
 
 @mended
-@pytest.mark.parametrize("seed", [0, 1, 4])
+@pytest.mark.parametrize("seed", [0, 4])  # a training, something short
 def test_a_disk_that_fails_is_a_sentence_and_tears_no_file(seed, tmp_path):
     disks.trial(seed, tmp_path)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2, pytest.param(49, marks=mended)])  # 49: a compile cache
+@pytest.mark.parametrize("seed", [1, 2, pytest.param(49, marks=mended)])  # 49: a compile cache
 def test_damaged_files_are_answered_with_a_sentence(seed, tmp_path):
     assert damaged.trial(seed, tmp_path)["damaged_files"] > 0
 
@@ -61,7 +61,7 @@ def test_damage_changes_a_file_and_is_the_same_for_the_same_seed():
 
 def test_every_injected_failure_strikes(tmp_path):
     """Else the campaign would look at commands that nothing disturbed."""
-    scene = next(scene for scene in SCENES if "a.csv" in scene.inputs)
+    scene = next(scene for scene in SCENES if "a.npz" in scene.inputs)
     scene.prepare(tmp_path)
     for kind in ("open", "write", "rename"):
         ended = scene.run(tmp_path, (kind, 0, 28))
