@@ -58,8 +58,8 @@ def _turning(rng: np.random.Generator, steps: int, shape: Shape) -> FloatArray:
 
 
 def _outside(rng: np.random.Generator, steps: int, shape: Shape) -> FloatArray:
-    """Numbers of any size, which are clipped."""
-    return rng.normal(size=(steps, *shape)) * 10.0 ** rng.uniform(-300, 300, (steps, *shape))
+    """Numbers of any size of which floats hold the square, or which are clipped."""
+    return rng.normal(size=(steps, *shape)) * 10.0 ** rng.uniform(-140, 300, (steps, *shape))
 
 
 KINDS: tuple[Callable[[np.random.Generator, int, Shape], FloatArray], ...] = (

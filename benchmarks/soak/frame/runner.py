@@ -17,7 +17,7 @@ from benchmarks.soak.frame.handle import Worker
 from benchmarks.soak.frame.ledger import Ledger, Shift, Trial
 from benchmarks.soak.frame.worker import Size
 
-SHIFT = 60.0, 5.0  # [s] longest and shortest
+SHIFT = 120.0, 5.0  # [s] longest and shortest
 GROWTH = Size(64 * 2**20, 8)  # bytes and descriptors by which a worker may grow
 FEWEST_READINGS = 12  # below, nothing is said of growth
 

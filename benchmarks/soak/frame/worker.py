@@ -75,8 +75,7 @@ def serve(pipe: Connection, module: str, folder: Path, log: Path) -> None:
 
     What is printed, and where it crashed or hung, goes into ``log``.
     """
-    os.setpgid(0, 0)  # with its children, so that all of them end together
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.setpgid(0, 0)  # with its children: they end together, and no Ctrl-C comes from the terminal
     with log.open("wb") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
