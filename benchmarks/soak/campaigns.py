@@ -4,11 +4,19 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import cast
 
-from benchmarks.soak import actions, memory, processes, wrenches
+from benchmarks.soak import actions, damaged, disks, kills, memory, processes, wrenches
 from benchmarks.soak.frame.campaign import Campaign
 from coopenv.errors import UnknownName
 
-CAMPAIGNS: tuple[Campaign, ...] = (actions, wrenches, memory, processes)
+CAMPAIGNS: tuple[Campaign, ...] = (
+    actions,
+    wrenches,
+    kills,
+    disks,
+    damaged,
+    memory,
+    processes,
+)
 
 
 def chosen(only: str | None = None, also: Iterable[str] = ()) -> list[Campaign]:

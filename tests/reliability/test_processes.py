@@ -193,7 +193,7 @@ def test_after_a_call_that_broke_off_no_episode_goes_on(monkeypatch):
     core = started(2)
     calls = {
         "step": lambda: core.step(actions(2)[0]),
-        "place": lambda: core.reset(mask=[True, False]),
+        "place": lambda: core.reset(mask=np.array([True, False])),
     }
     for name, call in calls.items():
         with monkeypatch.context() as patched:
