@@ -17,12 +17,14 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from coopenv.errors import InvalidInput
 
 from .plain import NotPlain, revived, shown
+from .scaling import FallingRate
 from .spaces import box_of, plain_box
 from .still import Still
 
 FORMAT = 1  # raised when a blueprint of before would mean something else
 _NAMES = {"format", "policy", "spaces", "rows", "policy_kwargs", "settings", "unwritten", "steps"}
 _SPACES = ("observation_space", "action_space")
+_MOST_ROWS, _MOST_STEPS = 10**6, 10**15
 _LAYERS = ("net_arch", "lstm_hidden_size", "n_lstm_layers", "n_critics", "n_quantiles")
 _LEFT_OUT = (  # of the constructor: said elsewhere, or of one process alone
     *("self", "policy", "env", "policy_kwargs", "device", "verbose", "tensorboard_log"),
@@ -85,7 +87,7 @@ def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: i
     _check_sizes(keywords, spaces["observation_space"].shape[0], count)
     settings = {name: revived(value) for name, value in blueprint["settings"].items()}
     _check_settings(settings, algorithm)
-    rows, steps = (_whole(blueprint[name]) for name in ("rows", "steps"))
+    rows, steps = _whole(blueprint["rows"], _MOST_ROWS), _whole(blueprint["steps"], _MOST_STEPS)
     make: Any = algorithm
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # told when it was trained
@@ -129,7 +131,7 @@ def _settings(model: BaseAlgorithm) -> dict[str, Any]:
         if name in unwritten:
             continue
         try:
-            value = _unwrapped(vars(model)[name if name in vars(model) else f"_{name}"])
+            value = _unwrapped(_kept(vars(model), name))
             if not (isinstance(value, type) and value.__module__.startswith(_PACKAGES)):
                 written[name] = shown(value)
         except (KeyError, NotPlain):
@@ -143,6 +145,12 @@ def _parameters(algorithm: type[BaseAlgorithm]) -> dict[str, Parameter]:
     return {
         name: each for name, each in found.items() if name not in _LEFT_OUT and each.kind in kinds
     }
+
+
+def _kept(attributes: Mapping[str, Any], name: str) -> Any:
+    """The value of a constructor's keyword; raises `KeyError` where the model keeps none."""
+    kept = [each for each in (name, f"_{name}", f"{name}_schedule") if each in attributes]
+    return attributes[kept[0] if kept else name]
 
 
 def _unwrapped(value: Any) -> Any:
@@ -162,9 +170,9 @@ def _check_settings(settings: Mapping[str, Any], algorithm: type[BaseAlgorithm])
         if isinstance(default, bool):
             fits = isinstance(value, bool)
         elif isinstance(default, int | float):
-            fits = value is None or is_number or isinstance(value, tuple) or callable(value)
+            fits = value is None or is_number or isinstance(value, tuple | FallingRate)
         else:
-            fits = is_number or not isinstance(value, bool)
+            fits = value is None or is_number or isinstance(value, dict | type(default))
         if not fits:
             raise ValueError(f"{name} is {value!r:.40}")
 
@@ -193,7 +201,7 @@ def _sizes(value: Any, before: int) -> Iterator[int]:
                 yield from _sizes(each, 1)
 
 
-def _whole(value: Any) -> int:
-    if type(value) is not int or value < 0:
-        raise ValueError(f"{value!r:.40} is no whole number")
+def _whole(value: Any, most: int) -> int:
+    if type(value) is not int or not 0 <= value <= most:
+        raise ValueError(f"{value!r:.40} is no whole number up to {most}")
     return value

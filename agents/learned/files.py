@@ -148,7 +148,7 @@ def _built(
     blueprint = _plain_blueprint(archive, notes, file)
     kind = algorithm or find_algorithm(str(notes.get(_ALGORITHM)))
     weights = read_weights(archive, str(file))
-    model = build(blueprint, kind, weights.count())
+    model = build(blueprint, kind, weights.numbers())
     put_weights(model, weights)
     if model.use_sde:
         model.policy.reset_noise()

@@ -12,6 +12,8 @@ from stable_baselines3.common.save_util import recursive_getattr
 from coopenv.errors import InvalidInput
 
 _SUFFIX, _VARIABLES = ".pth", "pytorch_variables"
+_MOST = 1e15  # of an optimiser's steps, and of its rate
+_COUNTS = ("step", "mu_product")  # of an optimiser's memory: one number for a parameter
 
 
 class Weights(NamedTuple):
@@ -20,7 +22,7 @@ class Weights(NamedTuple):
     parts: dict[str, Any]  # state dict of each network and optimiser, by name
     variables: dict[str, Any]  # tensors that are in none of them, by name
 
-    def count(self) -> int:
+    def numbers(self) -> int:
         """How many numbers the policy's networks have."""
         tensors = (each for each in self.parts["policy"].values() if torch.is_tensor(each))
         return sum(tensor.numel() for tensor in tensors)
@@ -68,12 +70,15 @@ def put_weights(model: BaseAlgorithm, weights: Weights) -> None:
     wanted = model.get_parameters()
     if set(wanted) != set(weights.parts):
         raise ValueError(f"it has {', '.join(weights.parts)}, not {', '.join(wanted)}")
+    parts = {}
     for name, part in weights.parts.items():
-        if isinstance(recursive_getattr(model, name), torch.optim.Optimizer):
-            _check_optimizer(name, part, wanted[name], recursive_getattr(model, name))
+        inside = recursive_getattr(model, name)
+        if isinstance(inside, torch.optim.Optimizer):
+            parts[name] = _memory(name, part, wanted[name], inside)
         else:
             _check_network(name, part, wanted[name])
-    model.set_parameters(weights.parts, exact_match=True, device="cpu")
+            parts[name] = part
+    model.set_parameters(parts, exact_match=True, device="cpu")
     for name, value in weights.variables.items():
         if value is None:
             continue
@@ -104,40 +109,50 @@ def _is_like(given: Any, wanted: torch.Tensor) -> bool:
     )
 
 
-def _check_optimizer(
+def _memory(
     name: str, given: Any, wanted: dict[str, Any], optimizer: torch.optim.Optimizer
-) -> None:
-    """Raise unless groups, options and moments are such as this optimiser has.
+) -> dict[str, Any]:
+    """An optimiser's state with the model's own options; of the file's the rate alone may differ.
 
-    torch takes any, and fails in the first step.
+    torch takes any state, and fails in the first step. Versions of it differ in their options, so
+    that those which the file does not have are no damage.
     """
     groups, state = given["param_groups"], given["state"]
     if len(groups) != len(wanted["param_groups"]):
         raise ValueError(f"{name} has {len(groups)} groups")
+    taken = []
     for group, known in zip(groups, wanted["param_groups"], strict=True):
-        if group["params"] != known["params"] or set(known) - set(group):
-            raise ValueError(f"{name} is of other parameters")
-        for option, value in known.items():
-            if not _is_of_kind(group[option], value):
-                raise ValueError(f"{option} of {name} is {group[option]!r:.40}")
+        rate = group["lr"]
+        for option, value in group.items():
+            if option in known and option != "lr" and value != known[option]:
+                raise ValueError(f"{option} of {name} is {value!r:.40}")
+        if not _is_count(rate):
+            raise ValueError(f"lr of {name} is {rate!r:.40}")
+        taken.append({**known, "lr": rate})
+    if len({frozenset(moments) for moments in state.values()}) > 1:
+        raise ValueError(f"{name} lacks moments of some parameters")
     parameters = [each for group in optimizer.param_groups for each in group["params"]]
     for number, moments in state.items():
-        shapes = ((), (1,), parameters[number].shape)
+        shape = parameters[number].shape
         for entry, value in moments.items():
-            is_right = isinstance(value, int | float) or (
-                torch.is_tensor(value) and tuple(value.shape) in shapes
-            )
-            if not is_right or not torch.isfinite(torch.as_tensor(value)).all():
+            if not (_is_count(value) if entry in _COUNTS else _is_moment(value, shape)):
                 raise ValueError(f"{entry} of {name} is no moment of its parameter")
+    return {"state": state, "param_groups": taken}
 
 
-def _is_of_kind(given: Any, known: Any) -> bool:
-    """Whether an option is of the kind of the optimiser's own; numbers are finite."""
-    if isinstance(known, tuple):
-        return isinstance(given, tuple | list) and len(given) == len(known)
-    if isinstance(known, bool) or known is None:
-        return given is None or isinstance(given, bool)
-    if isinstance(known, int | float):
-        is_number = isinstance(given, int | float) and not isinstance(given, bool)
-        return is_number and abs(given) < float("inf")
-    return type(given) is type(known)
+def _is_count(value: Any) -> bool:
+    """Whether it is one number that is not negative, as it is or in a tensor."""
+    if torch.is_tensor(value):
+        return _is_moment(value, torch.Size()) and value.item() >= 0
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < _MOST
+
+
+def _is_moment(value: Any, shape: torch.Size) -> bool:
+    """Whether it is what an optimiser remembers of a parameter of that shape."""
+    return (
+        torch.is_tensor(value)
+        and value.layout == torch.strided
+        and value.is_floating_point()
+        and value.shape == shape
+        and bool(torch.isfinite(value).all())
+    )

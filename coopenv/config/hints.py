@@ -45,13 +45,23 @@ def fitted(value: Any, leaves: Leaves, part: str) -> Any:
         value, fits = float(value), not leaves.isdisjoint((float, int))
     elif type(value) is int:
         fits = not leaves.isdisjoint((float, int))
-        value = float(value) if fits and int not in leaves else value
+        value = _as_float(value, part) if fits and int not in leaves else value
     else:
         fits = any(_is_one(value, leaf) for leaf in leaves)
     if not fits:
         known = sorted({getattr(leaf, "__name__", str(leaf)) for leaf in leaves} - {"UnionType"})
         raise InvalidInput(f"{part} must be made of {', '.join(known)}, got {value!r}; change it")
     return value
+
+
+def _as_float(value: int, part: str) -> float:
+    try:
+        return float(value)
+    except OverflowError as error:
+        raise InvalidInput(
+            f"{part} must be a number that a computer can hold, got one of {value.bit_length()} "
+            "bits; write an ordinary number"
+        ) from error
 
 
 def _is_one(value: Any, leaf: Any) -> bool:

@@ -133,7 +133,7 @@ def _read_function(rest: dict[str, Any], part: str, trust: Trust) -> Any:
     name = rest.get("name")
     if not isinstance(name, str) or ":" not in name:
         _exactly(rest, ("name",), part)
-        if name not in FUNCTIONS:
+        if not isinstance(name, str) or name not in FUNCTIONS:
             raise UnknownName(f"function of {part}", name, FUNCTIONS)
         return FUNCTIONS[name]
     _, digest = _exactly(rest, ("name", "sha256"), part)

@@ -235,6 +235,11 @@ def changed(*path, value, config=None):
             changed("reward", "terms", 0, "term", "potential", "name", value="coopenv.cli.main"),
             "function of reward.progress.potential must be one of the known names",
         ),
+        (
+            changed("reward", "terms", 0, "term", "potential", "name", value={}),
+            "function of reward.progress.potential must be one of the known names, got {}",
+        ),
+        (changed("body", "mass", value=10**400), "body.mass must be a number that a computer can"),
         (changed("reward", "terms", 0, "term", "weight", value=None), "weight must be made of"),
         (changed("dt", value={"kind": "float", "value": "nan"}), "value of dt"),
         (changed("dt", value={"kind": "float", "value": "inf"}), "dt must be finite"),
