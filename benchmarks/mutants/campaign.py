@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -74,21 +75,23 @@ class Campaign:
         for more in range(MOST_RECORDED, -1, -1):
             chosen = reach.tests(change, source)
             close = within(chosen, self.budget)
-            new = [one for one in close if one.recorded and one not in ran]
+            first = [*takewhile(lambda one: one.recorded, close)] if more else close
+            new = [one for one in first if one.recorded and one not in ran]
             verdict = tried(tree, change, source.text, new)
             ran += new
             cpu += verdict.cpu
             unknown = [one.test for one in close if not one.recorded]
-            if verdict.status == CAUGHT or not unknown or not more:
+            if verdict.status == CAUGHT or not unknown:
                 break
-            recorder.complete(unknown[:1])
+            if more:
+                recorder.complete(unknown[:1])
         return replace(verdict, **_all(ran, chosen, verdict), cpu=round(cpu, 1))
 
 
 def _all(ran: Sequence[Selected], chosen: Sequence[Selected], last: Verdict) -> dict[str, Any]:
     """What a verdict says of all tests that ran, and not of the last ones alone."""
     names = tuple(one.test for one in ran)
-    counts = {"ran": len(ran), "reached_by": len(chosen)}
+    counts = {"ran": len(ran), "reached_by": len({*ran, *chosen})}
     if last.status == CAUGHT:
         return counts
     return counts | {"status": "survived" if ran else "unreached", "tests": names}

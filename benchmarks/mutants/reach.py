@@ -49,11 +49,13 @@ class Reach:
     project: Project
     recording: Recording
     _users: dict[str, list[_Definition]] = field(default_factory=lambda: defaultdict(list))
+    _definitions: dict[str, list[_Definition]] = field(default_factory=dict)  # of a file
     _words: dict[str, frozenset[str]] = field(default_factory=dict)  # of files of tests
 
     def __post_init__(self) -> None:
         for file in self.project.modules():
-            for definition in _definitions(file, self._read(file)):
+            self._definitions[file] = _definitions(file, self._read(file))
+            for definition in self._definitions[file]:
                 for word in definition.words:
                     self._users[word].append(definition)
         for file in self.project.test_files():
@@ -64,7 +66,7 @@ class Reach:
         first, last = change.line, source.line(change.end)
         found = self._on_lines(change.file, range(first, last + 1))
         names, followed = self._names(change.owner)
-        if change.at_import or not found:
+        if change.at_import or not (found or self._is_recorded(change)):
             found |= followed
         if change.at_import and not change.owner:
             found |= self._on_lines(change.file, None)
@@ -80,6 +82,14 @@ class Reach:
             return -_nearness(change.file, file), -len(close & self._words[file]), one.seconds
 
         return sorted(chosen, key=order)
+
+    def _is_recorded(self, change: Change) -> bool:
+        """Whether tests ran other lines of the function or class: then it is no kernel."""
+        return any(
+            self._on_lines(change.file, definition.lines)
+            for definition in self._definitions[change.file]
+            if definition.name == change.owner
+        )
 
     def _read(self, file: str) -> ast.Module:
         return ast.parse((self.project.root / file).read_bytes())

@@ -37,6 +37,8 @@ class Verdict:
 
 def tried(tree: Tree, change: Change, text: bytes, tests: Sequence[Selected]) -> Verdict:
     """Run tests on the changed tree until one fails."""
+    if not tests:
+        return Verdict(status="unreached")
     early = within(tests, FIRST)
     how, failed, cpu = "", "", 0.0
     with tree.changed(change.file, change.applied(text)) as cache:
@@ -47,7 +49,7 @@ def tried(tree: Tree, change: Change, text: bytes, tests: Sequence[Selected]) ->
             if how:
                 break
     return Verdict(
-        status="caught" if how else "survived" if tests else "unreached",
+        status="caught" if how else "survived",
         by=failed if how else "",
         how=how,
         ran=len(tests),

@@ -266,6 +266,21 @@ def test_tests_come_from_lines_and_for_constants_from_the_functions_that_name_th
     assert not reach.tests(change_of(beam, "steps > 0", "steps > 1"), beam)
 
 
+def test_a_line_that_no_test_ran_is_reached_by_none_though_its_function_is(tmp_path):
+    project = toy(tmp_path)
+    beam = Source("toy/beam.py", (project.root / "toy/beam.py").read_bytes())
+    test = "tests/test_beam.py::test_what_lies_beyond_is_at_the_limit"
+    line = beam.text[: beam.text.index(b"return min")].count(b"\n") + 1
+    recording = Recording(
+        seconds={test: 0.1}, lines={"toy/beam.py": {line: {test}}}, files=set(project.test_files())
+    )
+    reach = Reach(project=project, recording=recording)
+    assert not reach.tests(change_of(beam, "x < 0.0", "x <= 0.0"), beam)
+    recording.lines.clear()  # as of a kernel: the tests that name it count
+    found = reach.tests(change_of(beam, "x < 0.0", "x <= 0.0"), beam)
+    assert [one.test for one in found] == [test]
+
+
 def test_a_file_of_tests_without_a_recording_counts_where_it_names_what_is_changed(tmp_path):
     project = toy(tmp_path)
     sums = Source("toy/inner/sums.py", (project.root / "toy/inner/sums.py").read_bytes())
