@@ -38,7 +38,7 @@ class Campaign:
         place = self.folder / self.project.digest()
         recorder = Recorder(tree, place / "records")
         if self.record_all:
-            recorder.complete(recorder.missing(), self.jobs)
+            recorder.complete(recorder.missing(), self.jobs, twice=True)
         results = Results(place / f"seed-{self.seed}.jsonl")
         drawn = sample(self.project, self.mutants, self.seed)
         reach = Reach(project=tree.project, recording=recorder.recording)

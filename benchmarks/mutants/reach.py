@@ -76,10 +76,12 @@ class Reach:
             if file not in self.recording.files and words & (names | {path.stem}):
                 chosen.append(Selected(file, UNKNOWN, recorded=False))
         close = {change.owner, path.stem, path.parent.name}
+        package = self.project.folders[0]
+        code = path.relative_to(package) if path.is_relative_to(package) else path
 
         def order(one: Selected) -> tuple[int, int, float]:
             file = one.test.partition("::")[0]
-            return -_nearness(change.file, file), -len(close & self._words[file]), one.seconds
+            return -_nearness(code, file), -len(close & self._words[file]), one.seconds
 
         return sorted(chosen, key=order)
 
@@ -101,15 +103,19 @@ class Reach:
 
     def _names(self, owner: str) -> tuple[set[str], set[str]]:
         """Names that lead from a definition to tests, and recorded tests that they lead to."""
-        names, tests, new = {owner} - {""}, set(), {owner} - {""}
+        names, tests = {owner} - {""}, set()
+        new, unseen = set(names), set(names)  # the latter: what coverage has not seen so far
         for _ in range(DEEPEST):
-            users = [definition for name in new for definition in self._users[name]]
-            new = set()
-            for user in users:
+            users = [(name, definition) for name in new for definition in self._users[name]]
+            new, before, unseen = set(), unseen, set()
+            for name, user in users:
                 on_lines = self._on_lines(user.file, user.lines)
-                tests |= on_lines
-                if not on_lines and user.name not in names:
-                    new.add(user.name)
+                if name in before:
+                    tests |= on_lines
+                    if not on_lines:
+                        unseen.add(user.name)
+                new.add(user.name)
+            new -= names
             names |= new
         for file, words in self._words.items():  # tests that name it themselves
             if owner in words:
@@ -129,14 +135,11 @@ def within(chosen: Iterable[Selected], budget: float) -> list[Selected]:
     return list(takewhile(fits, chosen))
 
 
-def _nearness(file: str, test: str) -> int:
+def _nearness(code: PurePath, test: str) -> int:
     """How many folders a file of code and one of tests have in common, their own names included."""
-    parts = [PurePath(file).with_suffix("").parts, PurePath(test).parts]
-    code = parts[0][1:] if parts[0][0] == "coopenv" else parts[0]
-    tests = [part.removeprefix("test_").removesuffix(".py") for part in parts[1][1:]]
-    return sum(
-        1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(code, tests, strict=False))
-    )
+    tests = [part.removeprefix("test_").removesuffix(".py") for part in PurePath(test).parts[1:]]
+    pairs = zip(code.with_suffix("").parts, tests, strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
 def _definitions(file: str, tree: ast.Module) -> list[_Definition]:
@@ -157,7 +160,7 @@ def _definitions(file: str, tree: ast.Module) -> list[_Definition]:
 
 
 def _words(node: ast.AST) -> frozenset[str]:
-    """Names, attributes and what is imported, anywhere in a node."""
+    """Names, attributes, and what is imported from where, anywhere in a node."""
     found = set()
     for each in ast.walk(node):
         if isinstance(each, ast.Name):
@@ -166,4 +169,6 @@ def _words(node: ast.AST) -> frozenset[str]:
             found.add(each.attr)
         elif isinstance(each, ast.alias):
             found.update(each.name.split("."))
+        elif isinstance(each, ast.ImportFrom) and each.module:
+            found.update(each.module.split("."))
     return frozenset(found)

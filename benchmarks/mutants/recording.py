@@ -61,25 +61,40 @@ class Recorder:
         files = self.tree.project.test_files()
         return [file for file in files if file not in self.recording.files]
 
-    def complete(self, files: Iterable[str], jobs: int = 1) -> None:
-        """Record the files, ``jobs`` at a time."""
+    def complete(self, files: Iterable[str], jobs: int = 1, twice: bool = False) -> None:
+        """Record the files, ``jobs`` at a time.
+
+        With ``twice`` a file is recorded again if kernels were compiled while it ran, so that its
+        seconds are those of its tests.
+        """
         waiting = list(files)
         running: dict[str, Child] = {}
         total, done = len(waiting), 0
+        again = set(waiting) if twice else set()
+        compiled: dict[str, int] = {}
         while waiting or running:
             while waiting and len(running) < jobs:
                 file = waiting.pop(0)
+                compiled[file] = self._compiled()
                 running[file] = self._child(file)
             for file, child in [*running.items()]:
                 ended = child.poll(WALL)
                 if ended is None:
                     continue
                 del running[file]
+                if file in again and self._compiled() > compiled[file]:
+                    again.remove(file)
+                    waiting.append(file)
+                    continue
                 done += 1
                 print(f"recorded {done}/{total} {file} {ended.cpu:.0f} s", flush=True)
                 if not self._read(file):
                     raise RuntimeError(f"{file} must leave a record, got none; see {self.folder}")
             time.sleep(0.05)
+
+    def _compiled(self) -> int:
+        """How many files numba has in its cache."""
+        return sum(1 for _ in self.tree.cache.rglob("*.nbc"))
 
     def _path(self, file: str) -> Path:
         return self.folder / (file.replace("/", "+") + ".json")

@@ -289,6 +289,23 @@ def test_a_file_of_tests_without_a_recording_counts_where_it_names_what_is_chang
     assert [(one.test, one.recorded) for one in found] == [("tests/inner/test_sums.py", False)]
 
 
+def test_names_lead_to_tests_without_a_recording_also_where_others_are_recorded(tmp_path):
+    project = toy(tmp_path)
+    tests = project.root / "tests/test_beam.py"
+    tests.write_text("from toy import reach\n\n\ndef test_it():\n    assert reach(0, 0) == 0\n")
+    (project.root / "toy/__init__.py").write_text("from .beam import reach\n")
+    beam = Source("toy/beam.py", (project.root / "toy/beam.py").read_bytes())
+    line = beam.text[: beam.text.index(b"return min")].count(b"\n") + 1
+    other = "tests/inner/test_sums.py::test_other"
+    recording = Recording(
+        seconds={other: 0.1},
+        lines={"toy/beam.py": {line: {other}}},
+        files={"tests/inner/test_sums.py"},
+    )
+    found = Reach(project=project, recording=recording).tests(change_of(beam, "2.0", "4.0"), beam)
+    assert [one.test for one in found] == ["tests/test_beam.py", other]
+
+
 def test_tests_are_taken_up_to_the_budget_and_at_least_one():
     tests = [Selected(name, seconds) for name, seconds in (("a", 5.0), ("b", 4.0), ("c", 2.0))]
     assert [one.test for one in within(tests, 10.0)] == ["a", "b"]
