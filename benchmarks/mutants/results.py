@@ -58,7 +58,11 @@ class Results:
         self.path = path
         self.of: dict[str, Result] = {}
         if path.exists():
-            for line in path.read_text(encoding="utf-8").splitlines():
+            text = path.read_text(encoding="utf-8")
+            whole = text[: text.rfind("\n") + 1]
+            if whole != text:  # a run was killed while it wrote
+                path.write_text(whole, encoding="utf-8")
+            for line in whole.splitlines():
                 self._take(json.loads(line))
 
     def add(self, result: Result) -> None:

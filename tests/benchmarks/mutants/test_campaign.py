@@ -1,6 +1,7 @@
 """Mutants of a toy package: a fault is caught, a gap is reported, a run goes on."""
 
 from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 
@@ -84,3 +85,22 @@ def test_a_run_goes_on_where_it_was_broken_off(tmp_path):
     assert path.read_text().startswith(first)
     assert len(results) == len(Results(path).of) == 5
     assert {result.status for result in results} <= {"caught", "survived", "unreached"}
+
+
+def test_a_line_that_was_cut_off_is_tried_again_and_the_later_of_two_results_counts(tmp_path):
+    one = Result(
+        key="a:0-1:b", file="a", line=1, operator="sign", before="a", after="b", status="survived"
+    )
+    results = Results(tmp_path / "seed-0.jsonl")
+    results.add(one)
+    results.add(replace(one, key="c:0-1:d"))
+    results.add(replace(one, status="caught"))
+    with results.path.open("a") as file:
+        file.write('{"key": "e:0-')
+    again = Results(results.path)
+    assert {key: result.status for key, result in again.of.items()} == {
+        "a:0-1:b": "caught",
+        "c:0-1:d": "survived",
+    }
+    again.add(replace(one, key="e:0-1:f"))
+    assert len(Results(results.path).of) == 3
