@@ -1,6 +1,7 @@
 """A trained Stable-Baselines3 model that acts in many worlds as it acted in its training."""
 
 import os
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -18,7 +19,7 @@ from ..noise import EpisodeKeys
 from .files import Saved, load_model, save_model
 from .finite import DIVERGED, has_diverged
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
-from .record import recorded
+from .record import RECORD, has_learned_in_its_environment, notes_now
 from .sampling import can_be_sampled, sampled
 from .spaces import spaces_of
 from .trained_on import check_trained_on
@@ -39,11 +40,12 @@ class SB3Policy:
     normalize
         Observation statistics: a ``VecNormalize``, or the file that its ``save`` wrote, which is a
         pickle and needs ``trust``. ``None``: those of the model's own environment, as they are
-        when it acts. ``False``: none.
+        when it acts. ``False``: none. They hold until the model learns in another environment.
     seed
         Of sampled actions, which are keyed by it, by the episode's seed and by the step.
     notes
-        What else its file is to say; as JSON can hold it.
+        What else its file is to say; as JSON can hold it. Under ``provenance`` the environment of
+        its training, which holds until the model learns in another.
     trust
         Whether a file of ``normalize`` may run what it holds.
 
@@ -70,7 +72,7 @@ class SB3Policy:
         self.notes = dict(notes or {})
         self._spaces = spaces_of(model)
         self._features = self._spaces.features
-        self._is_given = normalize is not None
+        self._is_given, self._given_in = normalize is not None, model.get_env()
         self._given = (
             find_normalization(normalize, self._features, trust=trust) if self._is_given else None
         )
@@ -137,34 +139,49 @@ class SB3Policy:
     def save(self, path: str | os.PathLike) -> None:
         """Write model, normalisation and notes to one file, whole or not at all.
 
-        Notes that do not say where the policy comes from get the environment of the model, if that
-        is one of `coopenv.agents.sb3`; one that cannot be written is warned of and left out.
-        ``PPO.load`` and its like read the file as well, without the normalisation.
+        The environment is that in which the model learned last, if it is one of
+        `coopenv.agents.sb3`; the notes' own record stays where it is of the same one. An
+        environment that is not known or cannot be written costs no trained policy: it is warned of
+        and left out. ``PPO.load`` and its like read the file as well, without the normalisation.
         """
-        notes = self.notes if "provenance" in self.notes else {**self.notes, **recorded(self.model)}
+        notes, missing = notes_now(self.model, self.notes)
+        if missing:
+            warnings.warn(
+                f"the policy's file does not say which environment it was trained in: {missing}; "
+                "without it coopenv evaluate needs --env",
+                stacklevel=2,
+            )
         save_model(self.model, path, notes=notes, normalization=self.normalization)
 
     @property
     def normalization(self) -> Normalization | None:
         """Statistics of the observations it was trained on; ``None`` without normalisation.
 
+        Those that were given or read, until the model learns in another environment.
+
         Raises
         ------
         InvalidInput
             If there were some, and they are not known.
         """
-        if self._is_given:
+        if self._holds_given:
             return self._given
         venv = self.model.get_vec_normalize_env()
         if venv is not None:
             return Normalization.of(venv)
-        if trained_normalized(self.model):
+        if not has_learned_in_its_environment(self.model) and trained_normalized(self.model):
             raise InvalidInput(
                 "normalize must be given for a model that was trained behind a VecNormalize, got "
                 "none; give normalize= that VecNormalize or the file that its save wrote, or False "
                 "if it left observations as they are"
             )
         return None
+
+    @property
+    def _holds_given(self) -> bool:
+        """Whether the statistics that were given are still those of the model's training."""
+        elsewhere = self.model.get_env() is not self._given_in
+        return self._is_given and not (elsewhere and has_learned_in_its_environment(self.model))
 
     def sampled(self) -> Self | None:
         """The same policy with sampled actions; ``None`` for algorithms that have no spread."""
@@ -175,7 +192,7 @@ class SB3Policy:
         return type(self)(
             self.model,
             deterministic=False,
-            normalize=(self._given or False) if self._is_given else None,
+            normalize=(self._given or False) if self._holds_given else None,
             seed=self._seed,
             notes=self.notes,
         )
@@ -183,7 +200,8 @@ class SB3Policy:
     def check_environment(self, core: Transport) -> None:
         """Raise `InvalidInput` if ``core`` is not what it was trained on, as far as that shows."""
         agents = self._spaces.check_environment(core)
-        check_trained_on(self.notes, core, agents)
+        notes = notes_now(self.model, self.notes).entries if RECORD in self.notes else self.notes
+        check_trained_on(notes, core, agents)
 
     def reset(self, mask: BoolArray) -> None:
         """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""

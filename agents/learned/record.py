@@ -1,11 +1,13 @@
 """Record of the environment that a model was trained in, for the file of its policy."""
 
-import warnings
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from coopenv.errors import InvalidInput
+
+RECORD = "provenance"  # entry of the notes, as coopenv.agents.provenance writes it
 
 
 @runtime_checkable
@@ -17,21 +19,54 @@ class Recorded(Protocol):
         ...
 
 
-def recorded(model: BaseAlgorithm) -> dict[str, Any]:
-    """What the model's environment, behind its wrappers, says of itself; else nothing.
+class Notes(NamedTuple):
+    """What a policy's file is to say."""
 
-    An environment that cannot be written costs no trained policy: a warning says why it is missing.
+    entries: dict[str, Any]
+    missing: str  # why the environment of the training is not among them; empty if it is
+
+
+def has_learned_in_its_environment(model: BaseAlgorithm) -> bool:
+    """Whether the environment that a model has is the one in which it learned last.
+
+    ``set_env`` and ``load`` make SB3 forget the last observation; ``learn`` keeps one. A model that
+    was given another environment without ``force_reset`` looks as if it had learned there.
     """
+    return model.get_env() is not None and model._last_obs is not None
+
+
+def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any]) -> Notes:
+    """``notes``, with the record of the environment in which the model learned last.
+
+    A record in ``notes`` says more, so it stays as long as nothing was learned elsewhere. What was
+    learned in an environment that cannot be recorded is under no record.
+    """
+    kept, rest = RECORD in notes, {name: notes[name] for name in notes if name != RECORD}
     venv = model.get_env()
-    inside = None if venv is None else venv.unwrapped
-    if not isinstance(inside, Recorded):
-        return {}
-    try:
-        return inside.to_notes()
-    except InvalidInput as error:
-        warnings.warn(
-            f"the policy's file does not say which environment it was trained in: {error}; "
-            "without it coopenv evaluate needs --env",
-            stacklevel=3,
+    if venv is None or (kept and not has_learned_in_its_environment(model)):
+        return Notes(dict(notes), "")
+    if model.num_timesteps and not has_learned_in_its_environment(model):
+        return Notes(
+            rest,
+            "it was given another one since it learned (give SB3Policy notes=venv.to_notes() of "
+            "the one that it learned in, or save it before set_env)",
         )
-        return {}
+    inside = venv.unwrapped
+    if not isinstance(inside, Recorded):
+        return Notes(rest, "it learned on in one that does not say what it is" if kept else "")
+    try:
+        live = inside.to_notes()
+    except InvalidInput as error:
+        return Notes(rest, str(error))
+    same = kept and _identity(live) == _identity(notes)
+    return Notes(dict(notes) if same else {**rest, **live}, "")
+
+
+def _identity(notes: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Environment and control of a record; a damaged one is equal to none."""
+    record = notes.get(RECORD)
+    if not isinstance(record, Mapping):
+        return None, None
+    training = record.get("training")
+    control = training.get("control") if isinstance(training, Mapping) else None
+    return record.get("environment"), control

@@ -10,7 +10,7 @@ from typing import Any
 from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 
-RECORD = "provenance"  # entry of the notes, as coopenv.agents.provenance writes it
+from .record import RECORD
 
 
 def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> None:
@@ -39,8 +39,9 @@ def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> 
     learners = len(core.learners)
     if control != "shared" and agents != learners:
         beside = " beside a partner" if environment.get("partner") is not None else ""
+        team = "one agent" if control == "partner" else "whole team"
         raise InvalidInput(
-            f"policy must drive the one agent that it was trained for{beside} "
+            f"policy must drive the {team} that it was trained for{beside} "
             f"(control={control!r}), got an environment with {learners} learners; give it a "
             "partner= (--partner), or evaluate it in the environment that its file records"
         )
