@@ -20,6 +20,7 @@ from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust
 from coopenv.envs.registry import PREFIX, find_config
 from coopenv.errors import CoopenvError, InvalidInput
+from coopenv.files import reading
 
 from .differences import differences
 from .settings import EnvironmentChoice, TrainConfig
@@ -72,8 +73,13 @@ class Provenance:
         )
 
     @classmethod
-    def from_notes(cls, notes: Mapping[str, Any]) -> Self | None:
+    def from_notes(cls, notes: Mapping[str, Any], source: str = "") -> Self | None:
         """What `to_notes` wrote; ``None`` if the notes say nothing of it.
+
+        Parameters
+        ----------
+        source
+            What the notes are of, for the error.
 
         Raises
         ------
@@ -84,6 +90,7 @@ class Provenance:
         if given is None:
             return None
         names = {entry.name for entry in fields(cls)}
+        where = f" ({source})" if source else ""
         if (
             not isinstance(given, Mapping)
             or given.get("format") != FORMAT
@@ -91,7 +98,7 @@ class Provenance:
         ):
             raise InvalidInput(
                 f"{KEY} must be of format {FORMAT}, got {given!r:.80}; read it with the "
-                "coopenv that wrote it, or a newer one"
+                f"coopenv that wrote it, or a newer one{where}"
             )
         values: dict[str, Any] = {name: given.get(name) for name in names}
         if values["training"] is None:  # of a policy that no run of ours trained
@@ -100,7 +107,7 @@ class Provenance:
             if not _is_right(name, value):
                 raise InvalidInput(
                     f"{KEY}.{name} must be what a run wrote there, got {value!r:.80}; the file is "
-                    "damaged: copy it again"
+                    f"damaged: copy it again{where}"
                 )
         return cls(**values)
 
@@ -115,11 +122,20 @@ class Provenance:
         """
         from .learned import read_notes
 
-        notes = read_notes(path)
-        try:
-            return cls.from_notes(notes)
-        except InvalidInput as error:
-            raise InvalidInput(f"{error} (policy {os.fspath(path)!r})") from error
+        return cls.from_notes(read_notes(path), f"policy {os.fspath(path)!r}")
+
+    @classmethod
+    def read_beside(cls, path: str | os.PathLike) -> Self | None:
+        """That of a run's ``config.json``; ``None`` if the file does not say.
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be read, or is of another format.
+        """
+        with reading(path):
+            notes = json.loads(Path(path).read_text(encoding="utf-8"))
+        return cls.from_notes(notes if isinstance(notes, dict) else {}, os.fspath(path))
 
     def to_notes(self) -> dict[str, Any]:
         """An entry for `coopenv.agents.learned.NOTES`."""
@@ -134,6 +150,11 @@ class Provenance:
             If it holds code of somebody's own that is not trusted, or not what it was.
         """
         return TransportConfig.from_json(json.dumps(self.environment), trust=trust)
+
+    @property
+    def has_own_code(self) -> bool:
+        """Whether the environment names code that is not of this package."""
+        return '"sha256"' in json.dumps(self.environment)  # which no other entry has
 
     @property
     def env(self) -> str:

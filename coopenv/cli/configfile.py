@@ -14,11 +14,11 @@ from typing import Any
 
 from coopenv.agents.differences import differences
 from coopenv.agents.overrides import GROUPS, entries_of
-from coopenv.agents.provenance import Provenance
+from coopenv.agents.provenance import Provenance, versions
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
 from coopenv.config.own_code import Trust
 from coopenv.envs.registry import require_trusted
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.files import reading
 
 ENVIRONMENT = tuple(entry.name for entry in fields(EnvironmentChoice))
@@ -58,8 +58,7 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
         content = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
     top = (*TRAINING, *COMPARISON, "evaluation")
     noted, content = _parted(content)
-    content = _checked(content, f"option in {path}", top)
-    _refuse_fresh(content, path)
+    content = _without_fresh(_checked(content, f"option in {path}", top), path)
     for name, known in (("environment", ENVIRONMENT), ("evaluation", EVALUATION)):
         content[name] = _checked(content.get(name, {}), f"option in {path}, {name}", known)
     require_trusted(_plain(content["environment"].get("env", ""), "env"), trust, str(path))
@@ -112,14 +111,18 @@ def _parted(content: Any) -> tuple[Any, Any]:
     return content, options
 
 
-def _refuse_fresh(content: Mapping[str, Any], path: Path) -> None:
-    """Raise if a file would remove a run whenever it is used."""
+def _without_fresh(content: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """The options; raise if they would remove a run whenever the file is used.
+
+    ``false`` is what runs of before wrote, and removes nothing.
+    """
     for name in UNSAVED:
-        if name in content:
+        if content.get(name, False) is not False:
             raise InvalidInput(
                 f"{name} must be given on the command line, got {content[name]!r} in {path}, which "
                 f"would remove a run each time; take it out of the file and give --{name}"
             )
+    return {name: value for name, value in content.items() if name not in UNSAVED}
 
 
 def _check_recorded(noted: Mapping[str, Any], content: Mapping[str, Any], path: Path) -> None:
@@ -127,19 +130,44 @@ def _check_recorded(noted: Mapping[str, Any], content: Mapping[str, Any], path: 
 
     A run that was given its environment from Python has options that do not tell of it.
     """
-    provenance = Provenance.from_notes(noted)
+    provenance = Provenance.from_notes(noted, str(path))
     if provenance is None:
         return
     choice = environment(content["environment"], EnvironmentChoice())
     named = json.loads(choice.config().to_json())
     found = differences(provenance.environment, named)
-    if found:
-        raise InvalidInput(
-            f"config must name the environment that its run had, got {path}, whose options differ "
-            f"from its record in {', '.join(found)}; the run was given its environment from Python "
-            "(train it there with TransportConfig.from_json of the record, evaluate its policy.zip "
-            "without --config), or the options were changed (then take provenance out of the file)"
+    if not found:
+        return
+    _require_readable(provenance, path)
+    causes = [
+        "the run was given its environment from Python (train it there with "
+        "TransportConfig.from_json of the record, evaluate its policy.zip without --config)",
+        "the options were changed (then take provenance out of the file)",
+    ]
+    then, now = provenance.versions.get("coopenv"), versions()["coopenv"]
+    if then != now:
+        causes.append(
+            f"coopenv {then}, which wrote it, had other defaults than {now} (then give its numbers "
+            "as options, and take provenance out)"
         )
+    raise InvalidInput(
+        f"config must name the environment that its run had, got {path}, whose options differ "
+        f"from its record in {', '.join(found)}; {', or '.join(causes)}"
+    )
+
+
+def _require_readable(provenance: Provenance, path: Path) -> None:
+    """Raise if the record is no environment; one with code of somebody's own is not run for it."""
+    if provenance.has_own_code:
+        return
+    try:
+        provenance.config()
+    except CoopenvError as error:
+        raise InvalidInput(
+            f"config must hold the environment of its run as it was written, got {path}, whose "
+            f"provenance.environment cannot be read ({error}); copy the file again, or take "
+            "provenance out of it if its options name the environment"
+        ) from error
 
 
 def _checked(content: Any, what: str, known: Iterable[str]) -> dict[str, Any]:

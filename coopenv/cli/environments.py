@@ -3,12 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust, is_trusted
 from coopenv.envs.registry import require_trusted
 from coopenv.errors import CoopenvError, InvalidInput
+
+if TYPE_CHECKING:
+    from coopenv.agents.provenance import Provenance
 
 RECORDED = "recorded"  # instead of an id: the environment that a policy was trained in
 
@@ -74,7 +78,10 @@ def environments_of(
 
 
 def _recorded(path: Path, trust: Trust) -> tuple[Environment, list[str]]:
-    """What a policy's file records; without a record, what the settings beside it name.
+    """What a policy's file records; without a record, what the run beside it does.
+
+    The settings of a run that was given its environment from Python do not name it, so that the
+    run's own record comes first.
 
     Raises `InvalidInput` if nothing says it.
     """
@@ -82,20 +89,38 @@ def _recorded(path: Path, trust: Trust) -> tuple[Environment, list[str]]:
 
     provenance = Provenance.read(path)
     if provenance is not None:
-        others = provenance.other_versions()
-        notes = [f"{path} was trained with {', '.join(others)}"] if others else []
-        return Environment(provenance.env, provenance.config(trust=trust)), notes
+        return _as_recorded(provenance, str(path), trust)
     beside = path.with_name("config.json")
     if not beside.is_file():
         raise InvalidInput(
             f"policy must say which environment it was trained in, got {path}, which does not; "
             "give --env and the options that make it that one, or save it with SB3Policy.save "
-            "while its model has its environment"
+            "while its model has the environment it learned in"
         )
-    choice = TrainConfig.load(beside).environment
-    require_trusted(choice.env, trust, str(beside))
+    provenance = Provenance.read_beside(beside)
+    if provenance is not None:
+        place, notes = _as_recorded(provenance, str(beside), trust)
+        how = f"as {beside} records it"
+    else:
+        choice = TrainConfig.load(beside).environment
+        require_trusted(choice.env, trust, str(beside))
+        place, notes = Environment(choice.env, choice.config()), []
+        how = f"which {beside} names"
     note = (
         f"{path} does not say which environment it was trained in; it is evaluated in "
-        f"{choice.env}, which {beside} names; --env and the other options choose another"
+        f"{place.env}, {how}; --env and the other options choose another"
     )
-    return Environment(choice.env, choice.config()), [note]
+    return place, [note, *notes]
+
+
+def _as_recorded(
+    provenance: "Provenance", source: str, trust: Trust
+) -> tuple[Environment, list[str]]:
+    """The environment of a record, and a note where versions are others now."""
+    try:
+        config = provenance.config(trust=trust)
+    except CoopenvError as error:
+        raise InvalidInput(f"{error} (in {source})") from error
+    others = provenance.other_versions()
+    notes = [f"{source} was trained with {', '.join(others)}"] if others else []
+    return Environment(provenance.env, config), notes

@@ -198,7 +198,7 @@ def test_the_file_on_the_page_of_commands_is_one(tmp_path):
     assert command("evaluate", "random", "--config", path).episodes == 200
 
 
-@pytest.mark.parametrize("value", ["true", "false", "'no'", "1"])
+@pytest.mark.parametrize("value", ["true", "0", "'no'", "1"])
 def test_fresh_in_a_file_is_refused_since_it_would_remove_a_run_each_time(value, tmp_path, capsys):
     path = tmp_path / "run.toml"
     tiny = "steps = 64\nnum-worlds = 4\nrollout = 8\nepisodes = 1\ngif = false\n"
@@ -209,6 +209,16 @@ def test_fresh_in_a_file_is_refused_since_it_would_remove_a_run_each_time(value,
     assert cli.main(["train", "--config", str(path), f"--out={kept.parent}"]) == 1
     assert "fresh must be given on the command line" in capsys.readouterr().err
     assert kept.read_bytes() == b"a finished run"
+
+
+def test_a_file_that_says_fresh_false_as_older_runs_wrote_it_removes_nothing_and_is_read(tmp_path):
+    path = tmp_path / "config.json"
+    path.write_text(json.dumps({**TrainConfig(steps=20_000).to_dict(), "fresh": False}))
+    made = command("train", "--config", path)
+    assert made.training.steps == 20_000
+    assert not made.training.fresh
+    assert command("train", "--config", path, "--fresh").training.fresh
+    assert command("evaluate", "random", "--config", path).environment.env
 
 
 def recorded(path: Path, given: TransportConfig | None = None, **options: Any) -> TrainConfig:

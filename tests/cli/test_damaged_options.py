@@ -13,7 +13,7 @@ from coopenv.agents.provenance import Provenance
 from coopenv.agents.settings import TrainConfig
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.train import Train
-from coopenv.errors import CoopenvError
+from coopenv.errors import CoopenvError, InvalidInput
 from tests.agents.learned import damage
 
 SEED = 20261129  # of what is damaged, and how
@@ -60,4 +60,39 @@ def test_terms_of_a_reward_that_are_none_are_told(whole, tmp_path, capsys):
         content["provenance"]["environment"]["reward"]["terms"] = terms
         path.write_text(json.dumps(content))
         assert cli.main(["evaluate", "scripted", f"--config={path}"]) == 1
-        assert "differ from its record in reward" in " ".join(capsys.readouterr().err.split())
+        said = " ".join(capsys.readouterr().err.split())
+        assert f"{path}, whose provenance.environment cannot be read (reward" in said
+
+
+@pytest.mark.parametrize("environment", [{}, {"horizon": "x"}, {"kind": "coopenv.Box"}])
+def test_a_damaged_record_is_called_damaged_and_no_other_environment(environment, whole, tmp_path):
+    path = tmp_path / "config.json"
+    content = json.loads(whole.read_text())
+    content["provenance"]["environment"] = environment
+    path.write_text(json.dumps(content))
+    with pytest.raises(InvalidInput, match=r"provenance\.environment cannot be read") as caught:
+        Train.configured(path)
+    assert str(path) in str(caught.value)
+    assert "from Python" not in str(caught.value)
+
+
+@pytest.mark.parametrize("record", [3, [], {"format": 2}])
+def test_a_damaged_record_is_named_with_its_file(record, whole, tmp_path):
+    path = tmp_path / "config.json"
+    path.write_text(json.dumps({**json.loads(whole.read_text()), "provenance": record}))
+    with pytest.raises(InvalidInput, match=rf"provenance must be of format 1.*{path}"):
+        Train.configured(path)
+
+
+def test_other_defaults_of_another_version_are_one_of_the_causes(whole, tmp_path):
+    path = tmp_path / "config.json"
+    content = json.loads(whole.read_text())
+    content["provenance"]["environment"]["horizon"] = 150
+    path.write_text(json.dumps(content))
+    with pytest.raises(InvalidInput, match="in horizon") as caught:
+        Train.configured(path)
+    assert "other defaults" not in str(caught.value)
+    content["provenance"]["versions"]["coopenv"] = "0.0.1"
+    path.write_text(json.dumps(content))
+    with pytest.raises(InvalidInput, match=r"coopenv 0\.0\.1, which wrote it, had other defaults"):
+        Train.configured(path)

@@ -121,6 +121,35 @@ def test_an_older_file_is_evaluated_in_what_the_settings_beside_it_name(files, t
     assert "horizon 6" in captured.out
 
 
+def test_a_bare_file_of_a_run_from_python_is_evaluated_in_what_the_run_records(
+    files, tmp_path, capsys
+):
+    old = bare(files[1], tmp_path / "old.zip")
+    beside = tmp_path / "config.json"
+    beside.write_text(files[1].with_name("config.json").read_text())
+    rows = evaluated("evaluate", old, "--trust", out=tmp_path / "table.csv")
+    assert float(rows[0]["reward"]) == pytest.approx(-2.0 * 5 * 0.05)  # weight · steps · dt
+    captured = capsys.readouterr()
+    assert f"evaluated in coopenv/BeamTransport-v0, as {beside} records it" in captured.err
+    assert "body.mass 20.0" in captured.out
+
+
+def test_code_in_the_record_beside_a_bare_file_is_imported_only_with_trust(
+    files, tmp_path, capsys, monkeypatch
+):
+    (tmp_path / "beside_rewards.py").write_text("raise SystemExit('imported')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    settings = json.loads(files[1].with_name("config.json").read_text())
+    term = {"kind": "beside_rewards:Mine", "sha256": "0", "fields": {"weight": 1.0}}
+    settings["provenance"]["environment"]["reward"]["terms"][0]["term"] = term
+    (tmp_path / "config.json").write_text(json.dumps(settings))
+    old = bare(files[1], tmp_path / "old.zip")
+    assert cli.main(["evaluate", str(old), "--episodes=2"]) == 1
+    said = capsys.readouterr().err
+    assert "--trust beside_rewards" in said
+    assert "config.json" in said
+
+
 def test_another_version_is_said_and_does_not_matter(files, tmp_path, capsys, monkeypatch):
     from coopenv.agents import provenance
 
