@@ -2,9 +2,7 @@
 
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from math import ceil
-from pathlib import Path
 
 import numpy as np
 
@@ -21,6 +19,7 @@ from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
 from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
 from .training.events import told_once
+from .training.folder import LOG, SETTINGS, clear, require_room
 from .training.progress import Progress, Watch
 
 try:
@@ -29,13 +28,7 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
-LOG = "ppo"  # what TensorBoard's folders begin with
 UPDATES = "_n_updates"  # attribute of a model, for its log: gradient epochs that were done
-WRITTEN = (  # into a run's folder beside its policy; the last three by ``coopenv train``
-    *("config.json", "curves.csv", "curves.png"),
-    *("table.csv", "table.json", "episode.gif"),
-)
-
 __all__ = ["EnvironmentChoice", "TrainConfig", "train"]
 
 
@@ -58,7 +51,8 @@ def train(
 
     A run that is finished is not trained again: its policy is returned. With more ``steps`` it goes
     on from its end, at the learning rate that a run of so many steps has there. ``config.fresh``
-    removes the run that the folder holds and starts over.
+    removes the run that the folder holds and starts over. Files of those names that no run wrote
+    are neither removed nor written over.
 
     Parameters
     ----------
@@ -74,8 +68,9 @@ def train(
     Raises
     ------
     InvalidInput
-        If ``config.out`` holds another run, or this one with more steps done; if another process is
-        at work in it; or if the environment cannot be written into it.
+        If ``config.out`` holds another run, this one with more steps done, or files of a run's
+        names but no run; if another process is at work in it; or if the environment cannot be
+        written into it.
         Also if it diverges, with the last update that did not in the checkpoint.
     FileTrouble
         If the system does not let something be written, as on a full disk; the last checkpoint
@@ -101,17 +96,18 @@ def _train(
 ) -> SB3Policy:
     venv = TransportVecEnv(environment, config.num_worlds, control=config.control)
     provenance = Provenance.of(config, venv.transport.config)
+    require_room(config.out)
     found = None if config.fresh else _furthest(config, provenance)
     if found is None:
         model, progress = _begin(config, venv), Progress()
         if config.fresh:
-            _clear(config.out)
+            clear(config.out)
     else:
         tell(_what_was_found(found, config))
         _warn_of_versions(found)
         model, progress = _resume(found, config, venv), found.progress
     if found is None or not _is_finished(found, config):
-        config.save(config.out / "config.json", notes=provenance.to_notes())
+        config.save(config.out / SETTINGS, notes=provenance.to_notes())
         _learn(model, config, provenance, progress, report)
     else:
         provenance = found.provenance
@@ -227,16 +223,6 @@ def _diverged(done: int, config: TrainConfig) -> InvalidInput:
         f"{config.learning_rate:g}), clip_range, entropy_weight or initial_std, and choose another "
         f"out or start over with fresh=True (--fresh){kept}"
     )
-
-
-def _clear(out: Path) -> None:
-    """Remove the run that a folder holds, so that no later call takes it for the new one."""
-    for name in (POLICY, CHECKPOINT, *WRITTEN):
-        (out / name).unlink(missing_ok=True)
-    for log in (out / "tensorboard").glob(f"{LOG}_*/events.out.tfevents.*"):
-        log.unlink()
-        with suppress(OSError):  # a folder with something else in it stays
-            log.parent.rmdir()
 
 
 def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:

@@ -1,0 +1,59 @@
+"""Folder of a training run: what the run writes there, and what of it may be removed."""
+
+import json
+from contextlib import suppress
+from pathlib import Path
+
+from coopenv.errors import CoopenvError, InvalidInput
+from coopenv.files import reading
+
+from ..settings import TrainConfig
+from .checkpoint import CHECKPOINT, POLICY
+
+LOG = "ppo"  # what TensorBoard's folders begin with
+SETTINGS = "config.json"
+WRITTEN = (  # beside the policy; the last three by ``coopenv train``
+    *(SETTINGS, "curves.csv", "curves.png"),
+    *("table.csv", "table.json", "episode.gif"),
+)
+_SAID = ("environment", "steps", "num_worlds", "out")  # by the settings of every run
+
+
+def require_room(out: Path) -> None:
+    """Raise `InvalidInput` if a run would write over, or remove, what no run wrote."""
+    foreign = [name for name in WRITTEN if (out / name).exists()]
+    if foreign and not shows_run(out):
+        raise InvalidInput(
+            f"out must be a folder of a run, a new or an empty one, got {out}, which holds "
+            f"{', '.join(foreign)} but no {POLICY}, no {CHECKPOINT} and no {SETTINGS} of a run; "
+            "choose another out, or move them away"
+        )
+
+
+def shows_run(out: Path) -> bool:
+    """Whether something in a folder says that a run was there."""
+    return any((out / name).exists() for name in (POLICY, CHECKPOINT)) or _has_settings(out)
+
+
+def clear(out: Path) -> None:
+    """Remove the run that a folder holds, so that no later call takes it for the new one."""
+    if not shows_run(out):
+        return
+    for name in (POLICY, CHECKPOINT, *WRITTEN):
+        (out / name).unlink(missing_ok=True)
+    for log in (out / "tensorboard").glob(f"{LOG}_*/events.out.tfevents.*"):
+        log.unlink()
+        with suppress(OSError):  # a folder with something else in it stays
+            log.parent.rmdir()
+
+
+def _has_settings(out: Path) -> bool:
+    """Whether ``config.json`` is that of a run, and not somebody's own of that name."""
+    path = out / SETTINGS
+    try:
+        with reading(path):
+            given = json.loads(path.read_text(encoding="utf-8"))
+        TrainConfig.load(path)
+    except CoopenvError:
+        return False
+    return isinstance(given, dict) and all(name in given for name in _SAID)

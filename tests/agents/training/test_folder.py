@@ -1,0 +1,76 @@
+"""A run's folder: nothing in it that no run wrote is removed or written over."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("stable_baselines3")
+pytest.importorskip("matplotlib")
+pytest.importorskip("tyro")
+
+from coopenv import TransportConfig, cli
+from coopenv.agents.settings import TrainConfig
+from coopenv.agents.train import train
+from coopenv.errors import InvalidInput
+
+SHORT = TransportConfig(horizon=8)
+MINE = "somebody's own"
+
+
+def tiny(out: Path, **changes) -> TrainConfig:
+    """Two rollouts of 32 steps."""
+    given = {"steps": 64, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epochs": 1}
+    return TrainConfig(**{**given, "hidden": (8,), "out": out, **changes})
+
+
+def put(folder: Path, *names: str, text: str = MINE) -> list[Path]:
+    paths = [folder / name for name in names]
+    for path in paths:
+        path.write_text(text)
+    return paths
+
+
+@pytest.mark.parametrize("fresh", [False, True])
+@pytest.mark.parametrize(
+    "names", [("config.json", "curves.csv", "table.csv", "episode.gif"), ("table.csv",)]
+)
+def test_files_that_no_run_wrote_are_neither_removed_nor_written_over(names, fresh, tmp_path):
+    paths = put(tmp_path, *names)
+    with pytest.raises(InvalidInput, match=rf"{', '.join(names)} but no policy\.zip.* move them"):
+        train(tiny(tmp_path, fresh=fresh), environment=SHORT)
+    assert [path.read_text() for path in paths] == [MINE] * len(paths)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+
+
+@pytest.mark.parametrize("text", ["{}", "[]", '{"steps": 20000}', '{"colour": "red"}', "{"])
+def test_a_config_json_that_is_not_of_a_run_is_not_written_over(text, tmp_path, capsys):
+    (path,) = put(tmp_path, "config.json", text=text)
+    tiny = ["--steps=64", "--num-worlds=4", "--rollout=8", "--episodes=1", "--no-gif"]
+    for fresh in ([], ["--fresh"]):
+        assert cli.main(["train", *tiny, f"--out={tmp_path}", *fresh]) == 1
+        assert "no config.json of a run; choose another out" in capsys.readouterr().err
+    assert path.read_text() == text
+
+
+def test_settings_that_a_run_left_show_it_before_its_first_checkpoint(tmp_path):
+    def stop(row):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="before the first update"):
+        train(tiny(tmp_path), environment=SHORT, report=stop)
+    assert not (tmp_path / "checkpoint.zip").exists()
+    put(tmp_path, "table.csv")
+    with pytest.raises(KeyboardInterrupt):
+        train(tiny(tmp_path, fresh=True, seed=1), environment=SHORT, report=stop)
+    assert not (tmp_path / "table.csv").exists()
+    assert json.loads((tmp_path / "config.json").read_text())["seed"] == 1
+    train(tiny(tmp_path, seed=1), environment=SHORT)
+
+
+def test_fresh_leaves_logs_where_nothing_shows_a_run(tmp_path):
+    log = tmp_path / "tensorboard" / "ppo_1" / "events.out.tfevents.0"
+    log.parent.mkdir(parents=True)
+    log.write_text(MINE)
+    train(tiny(tmp_path, fresh=True), environment=SHORT)
+    assert log.read_text() == MINE
