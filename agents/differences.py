@@ -12,6 +12,7 @@ from .partners import PARTNERS
 Change = tuple[str, Any, Any]
 """Dotted name of a part, such as ``environment.reward.progress.weight``, and its two values;
 ``None`` where it is missing."""
+_UNSAID = ("kind", "name", "sha256", "fields")  # of a part in words: said otherwise, or of no use
 
 
 def changes(one: Any, other: Any, path: str = "") -> Iterator[Change]:
@@ -84,7 +85,9 @@ def _short(value: Any) -> str:
     if isinstance(value, Mapping):
         kind = str(value.get("kind", "")).rpartition(".")[2]
         name = str(value.get("name", kind))
-        rest = {key: entry for key, entry in value.items() if key not in ("kind", "name")}
+        fields = value.get("fields") if "sha256" in value else None  # of a class of one's own
+        rest = {**value, **fields} if isinstance(fields, Mapping) else value
+        rest = {key: entry for key, entry in rest.items() if key not in _UNSAID}
         said = [f"{key}={_short(entry)}" for key, entry in rest.items() if entry not in (None, [])]
         return f"{name}({', '.join(said)})" if said else name or "other"
     if isinstance(value, list):

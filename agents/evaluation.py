@@ -114,12 +114,12 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
     """The evaluations as a rich table, one row a policy."""
     try:
         from rich.box import SIMPLE_HEAD
-        from rich.markup import escape
         from rich.table import Table
+        from rich.text import Text
     except ImportError as error:
         raise MissingExtra("the table", "train") from error
     made = Table(
-        title=title and escape(title),  # lists in brackets are no markup
+        title=title and Text(title, "table.title"),  # brackets and colons in it are no markup
         title_justify="left",
         box=SIMPLE_HEAD,
         show_edge=False,
@@ -133,7 +133,7 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
     for seen in evaluations:
         low, high = seen.success_interval
         made.add_row(
-            seen.policy,
+            Text(seen.policy),
             f"{100 * seen.success_rate:.1f}",
             f"{100 * low:.0f}-{100 * high:.0f}",
             "-" if isnan(seen.sampled_success_rate) else f"{100 * seen.sampled_success_rate:.1f}",

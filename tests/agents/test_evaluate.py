@@ -180,8 +180,15 @@ def test_the_table_has_a_row_a_policy():
 def printed(evaluations):
     rich = pytest.importorskip("rich.console")
     console = rich.Console(width=80, record=True, file=io.StringIO())
-    console.print(table(evaluations, "title"))
+    console.print(table(evaluations, "title :x: [a]"))
+    assert "title :x: [a]" in console.export_text(clear=False)
     return console.export_text()
+
+
+@pytest.mark.parametrize("name", ["x[/]", "x[bold]y", "q[red].zip", ":x:[a", "a\\[b]"])
+def test_names_with_brackets_and_colons_stand_in_the_table_as_they_are(name):
+    text = printed([replace(evaluate(Leader(), SHORT, episodes=1), policy=name)])
+    assert name in text
 
 
 @pytest.mark.parametrize("team", [2, 3, 4, 6])

@@ -181,6 +181,20 @@ def test_a_file_without_it_says_so_and_one_of_another_format_is_refused(tmp_path
         Provenance.read(tmp_path / "torn.zip")
 
 
+def test_a_damaged_record_is_named_with_its_file(run, tmp_path):
+    out, _ = run
+    content = json.loads((out / "config.json").read_text())
+    path = tmp_path / "config.json"
+    path.write_text(json.dumps(content))
+    found = Provenance.read_beside(path)
+    assert found == Provenance.read(out / "policy.zip")
+    path.write_text(json.dumps({**content, "provenance": [3]}))
+    with pytest.raises(InvalidInput, match=rf"format 1, got \[3\].*{path}"):
+        Provenance.read_beside(path)
+    path.write_text("[]")
+    assert Provenance.read_beside(path) is None
+
+
 def test_differences_are_named_down_to_the_number():
     one = {"a": {"kind": "x", "b": [1, {"c": 2}]}, "d": [1], "e": {"kind": "x", "f": 1}}
     other = {"a": {"kind": "x", "b": [1, {"c": 3}]}, "d": [1, 2], "e": {"kind": "y", "f": 1}}
@@ -222,6 +236,30 @@ def test_a_description_holds_the_numbers_of_what_is_added():
     grips = ((-0.8, 0.0), (0.9, 0.0), (0.0, 0.0))
     gripped = described(replace(default, body=Body(grips=grips)), default)
     assert "body.grips [[-0.8, 0.0], [0.9, 0.0], [0.0, 0.0]]" in gripped
+
+
+def test_a_description_names_code_of_ones_own_without_its_hash(tmp_path, monkeypatch):
+    (tmp_path / "described_rewards.py").write_text(OWN)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    import described_rewards  # type: ignore[import-not-found]
+
+    default = TransportConfig()
+    terms = {**default.terms, "mine": described_rewards.Mine(weight=3.0)}
+    (said,) = described(replace(default, reward=rewards.RewardSum(terms)), default)
+    assert said == "reward.mine described_rewards:Mine(weight=3.0)"
+
+
+OWN = """
+from dataclasses import dataclass
+import numpy as np
+
+@dataclass(frozen=True)
+class Mine:
+    weight: float = 1.0
+
+    def __call__(self, transition):
+        return self.weight * np.ones(transition.applied.shape[:2])
+"""
 
 
 def test_a_choice_over_a_configuration_changes_only_what_it_names():
