@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, IntArray, whole
+from coopenv.arrays import LARGEST, BoolArray, IntArray, whole
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
@@ -21,6 +21,7 @@ from coopenv.envs.common import (
     team_observation_space,
 )
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
+from coopenv.rewards.sums import check_finite
 from coopenv.transport import Transport
 
 from . import partners
@@ -112,8 +113,17 @@ class TransportVecEnv(VecEnv):
     def step_wait(
         self,
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], BoolArray, list[dict]]:
-        """Step every world, and reset those whose episode ended."""
+        """Step every world, and reset those whose episode ended.
+
+        Raises
+        ------
+        InvalidInput
+            If a reward term returns something that is not finite or beyond 1e12, from which no
+            learner learns.
+        """
         obs, reward, terminated, truncated, info = self.transport.step(self._action)
+        if np.vdot(reward, reward) > LARGEST**2:  # one number for the whole batch
+            check_finite(info["reward_terms"], at_most=LARGEST)
         self._sums.add(reward, info)
         done = terminated | truncated
         infos: list[dict] = [{} for _ in range(self.num_envs)]

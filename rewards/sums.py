@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from math import inf, isfinite
 from typing import Protocol
 
 import numpy as np
@@ -58,7 +59,13 @@ class RewardSum(Mapping[str, Term]):
         self._terms = dict(terms)
 
     def __call__(self, transition: Transition) -> tuple[FloatArray, dict[str, FloatArray]]:
-        """Total ``(world, agent)`` and its parts by name."""
+        """Total ``(world, agent)`` and its parts by name.
+
+        Raises
+        ------
+        InvalidInput
+            If a term returns another shape or something that is not finite, or the sum is not.
+        """
         parts = {name: term(transition) for name, term in self._terms.items()}
         shape = transition.applied.shape[:2]
         total = np.zeros(shape)
@@ -69,6 +76,10 @@ class RewardSum(Mapping[str, Term]):
                     f"shape {np.shape(part)}; transition.per_agent repeats one value a world"
                 )
             total += part
+        if not isfinite(np.vdot(total, total)):  # one number for the whole batch
+            check_finite(parts)
+            if not np.isfinite(total).all():  # finite parts, of which the sum is none
+                check_finite(parts, at_most=LARGEST)
         return total, parts
 
     def __getitem__(self, name: str) -> Term:
@@ -109,6 +120,28 @@ class RewardSum(Mapping[str, Term]):
         return RewardSum(terms)
 
 
+def check_finite(parts: Mapping[str, FloatArray], *, at_most: float = inf) -> None:
+    """Raise `InvalidInput` for the first term with a reward that is not finite, or too large.
+
+    Parameters
+    ----------
+    parts
+        Rewards ``(world, agent)`` by the names of their terms.
+    at_most
+        Largest magnitude that is allowed.
+    """
+    for name, part in parts.items():
+        wrong = ~np.isfinite(part) | (np.abs(part) > at_most)
+        if wrong.any():
+            bound = "" if at_most == inf else f" and at most {at_most:g}"
+            world, agent = np.argwhere(wrong)[0]
+            raise InvalidInput(
+                f"reward {name!r} must be finite{bound}, got {part[world, agent]} for agent "
+                f"{agent} of world {world}; mend the term: a division by zero, a root or a "
+                "logarithm of what may be negative, or a scale"
+            )
+
+
 def recompute(
     reward: RewardSum, transitions: Iterable[Transition]
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
@@ -128,7 +161,7 @@ def recompute(
     Raises
     ------
     InvalidInput
-        If there is no transition.
+        If there is no transition, or a term returns something that is not finite.
     """
     steps = [reward(transition) for transition in transitions]
     if not steps:

@@ -285,6 +285,44 @@ def test_a_term_of_another_shape_is_refused_by_name(value):
         core.step(np.zeros((2, 2, 3)))
 
 
+def holed(value: float):
+    """A term that is right but for agent 1 of world 2."""
+
+    def term(transition: Transition) -> FloatArray:
+        paid = np.zeros(transition.applied.shape[:2])
+        paid[2, 1] = value
+        return paid
+
+    return term
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
+def test_a_reward_that_is_not_finite_is_refused_by_the_name_of_its_term(value):
+    core = Transport(num_worlds=3, reward={"success": rewards.Success(), "holed": holed(value)})
+    core.reset(seed=0)
+    with pytest.raises(InvalidInput, match=f"'holed' must be finite, got {value} for agent 1 of w"):
+        core.step(np.zeros((3, 2, 3)))
+    with pytest.raises(InvalidInput, match="'holed' must be finite"):
+        rewards.recompute(rewards.RewardSum({"holed": holed(value)}), [core_at(3)])
+
+
+def core_at(num_worlds: int) -> Transition:
+    core = Transport(num_worlds=num_worlds)
+    core.reset(seed=0)
+    core.step(np.zeros((num_worlds, 2, 3)))
+    assert core.transition is not None
+    return core.transition
+
+
+def test_rewards_of_any_finite_size_are_summed_unless_the_sum_is_none():
+    at = core_at(3)
+    total, _ = rewards.RewardSum({"large": holed(1e300)})(at)
+    assert total[2, 1] == 1e300
+    both = rewards.RewardSum({"one": holed(1.5e308), "two": holed(1.5e308)})
+    with np.errstate(over="ignore"), pytest.raises(InvalidInput, match=r"'one' .* at most 1e"):
+        both(at)
+
+
 @pytest.mark.parametrize("weight", [float("nan"), "x", True])
 def test_a_weight_that_is_no_finite_number_is_refused(weight):
     with pytest.raises(InvalidInput, match="weight of reward 'success'"):
