@@ -8,6 +8,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from coopenv.errors import InvalidInput
 
 RECORD = "provenance"  # entry of the notes, as coopenv.agents.provenance writes it
+_SEEN = "_last_obs"  # attribute of a model: what it saw last in its environment, while it learned
 
 
 @runtime_checkable
@@ -32,7 +33,7 @@ def has_learned_in_its_environment(model: BaseAlgorithm) -> bool:
     ``set_env`` and ``load`` make SB3 forget the last observation; ``learn`` keeps one. A model that
     was given another environment without ``force_reset`` looks as if it had learned there.
     """
-    return model.get_env() is not None and model._last_obs is not None
+    return model.get_env() is not None and getattr(model, _SEEN, None) is not None
 
 
 def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any]) -> Notes:
