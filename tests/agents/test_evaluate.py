@@ -177,11 +177,10 @@ def test_the_table_has_a_row_a_policy():
         assert word in text
 
 
-def printed(evaluations):
+def printed(evaluations, title="title"):
     rich = pytest.importorskip("rich.console")
     console = rich.Console(width=80, record=True, file=io.StringIO())
-    console.print(table(evaluations, "title :x: [a]"))
-    assert "title :x: [a]" in console.export_text(clear=False)
+    console.print(table(evaluations, title))
     return console.export_text()
 
 
@@ -189,6 +188,11 @@ def printed(evaluations):
 def test_names_with_brackets_and_colons_stand_in_the_table_as_they_are(name):
     text = printed([replace(evaluate(Leader(), SHORT, episodes=1), policy=name)])
     assert name in text
+
+
+def test_a_title_stands_over_the_table_as_it_is():
+    title = "[bold]a: coopenv/BeamTransport-v0 with body.grips [[0.9, 0.0]] :x: [/]"
+    assert title in printed([evaluate(Leader(), SHORT, episodes=1)], title)
 
 
 @pytest.mark.parametrize("team", [2, 3, 4, 6])

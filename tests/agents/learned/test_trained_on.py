@@ -18,9 +18,9 @@ from coopenv.errors import InvalidInput
 SEEN = TransportConfig(horizon=3, observe=("goal", "twist", "own_wrench"))
 
 
-def trained(out: Path, **settings) -> Path:
+def trained(out: Path, environment: TransportConfig = SEEN, **settings) -> Path:
     given = {"steps": 16, "num_worlds": 2, "rollout": 4, "batch_size": 8, "epochs": 1}
-    train(TrainConfig(**{**given, "hidden": (4,), "out": out, **settings}), environment=SEEN)
+    train(TrainConfig(**{**given, "hidden": (4,), "out": out, **settings}), environment=environment)
     return out / "policy.zip"
 
 
@@ -61,6 +61,13 @@ def test_a_policy_of_one_agent_does_not_drive_several(one, capsys):
     assert "--partner" in capsys.readouterr().err
     assert cli.main(["evaluate", str(one), "--episodes=2"]) == 0
     assert cli.main(["evaluate", str(one), "--episodes=2", *env, "--partner=walking"]) == 0
+
+
+def test_a_policy_of_a_whole_team_is_not_called_one_of_one_agent(tmp_path):
+    alone = SB3Policy.load(trained(tmp_path, replace(SEEN, partner="walking")))
+    said = r"the whole team that it was trained for beside a partner \(control='joint'\)"
+    with pytest.raises(InvalidInput, match=said):
+        evaluate(alone, SEEN, episodes=2)
 
 
 def test_a_policy_that_every_agent_runs_may_drive_another_team(tmp_path):
