@@ -7,7 +7,8 @@ python -m benchmarks.recordings --write    # and puts them on the page
 from benchmarks.pages import DOCS, filled, markdown, show
 from coopenv.logs.analysis import RESULTS
 from coopenv.logs.columns import INPUT
-from coopenv.logs.layout import UNITS
+from coopenv.logs.layout import UNITS, Layout
+from coopenv.logs.limits import MEANING
 
 PAGE = DOCS / "recordings.md"
 
@@ -15,9 +16,14 @@ PAGE = DOCS / "recordings.md"
 def tables() -> dict[str, str]:
     """Markdown of each table by the name of its mark."""
     units = [(f"`{name}`", ", ".join(known)) for name, known in UNITS.items()]
+    limits = [
+        (f"`--max-{name.replace('_', '-')}`", f"{getattr(Layout(), f'max_{name}'):,}", meaning)
+        for name, meaning in MEANING.items()
+    ]
     return {
         "columns": markdown(("in the plane", "in space", "unit", "what"), INPUT),
         "units": markdown(("field, option", "known, the first is the default"), units),
+        "limits": markdown(("option", "default", "the most"), limits),
         "results": markdown(("column", "unit", "what"), RESULTS),
     }
 

@@ -54,6 +54,7 @@ class Analysis:
     """
 
     columns: dict[str, Column]  # (T,) each
+    results: tuple[str, ...]  # those that were computed
     worst: Worst
     gap: float  # the largest of all rows [N]
     fallbacks: int  # rows for which the solver had to ask another one
@@ -98,6 +99,7 @@ def analyse(recording: Recording, settings: Settings | None = None) -> Analysis:
     residuals = split.residuals()
     return Analysis(
         columns=columns,
+        results=tuple(results),
         worst=Worst(*(float(part.max()) for part in residuals)),
         gap=float(np.max(split.gap)),
         fallbacks=int(split.fell_back.sum()),

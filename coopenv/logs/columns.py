@@ -11,7 +11,7 @@ TWIST = {
     3: ("vx", "vy", "vz", "omega_x", "omega_y", "omega_z"),
 }
 WHOLE = {"time", "theta", *POSITION[3], *ORIENTATION[3], *TWIST[2], *TWIST[3]}
-EFFECTOR = re.compile(r"([ftr])([1-9]\d*)([xyz])")
+EFFECTOR = re.compile(r"([ftr])([1-9][0-9]*)([xyz])")
 QUANTITY = {"f": "force", "t": "torque", "r": "length"}
 
 INPUT = (  # name in the plane, in space, unit, meaning

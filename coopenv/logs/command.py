@@ -84,6 +84,17 @@ class Decompose:
     """Unit: N (default), mN, kN, lbf, kgf."""
     torque: str | None = None
     """Unit: N*m (default), N*cm, N*mm, kN*m, lbf*in, lbf*ft, kgf*m."""
+    max_row_bytes: int | None = None
+    """The most that a row may have, of text a line; 1,048,576 by default."""
+    max_columns: int | None = None
+    """The most columns; 10,000 by default."""
+    max_effectors: int | None = None
+    """The most effectors; 100 by default."""
+    max_rows: int | None = None
+    """The most rows of NPZ and Parquet, which say how many they have; 100,000,000 by default."""
+    max_block_bytes: int | None = None
+    """The most that can only be read at once, an array in Fortran order or a row group; 1 GiB by
+    default."""
 
     def run(self) -> None:
         """Decompose, write, print."""

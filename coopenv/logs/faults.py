@@ -9,9 +9,11 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.formats.chunks import Chunk
 from coopenv.logs.layout import LARGEST
+from coopenv.logs.limits import shown
 from coopenv.logs.plan import Plan
 
 BAD_ROWS = ("error", "skip")
+MARKS = {-1: "an open quotation mark", -2: "a carriage return within"}  # instead of a number
 QUATERNION_TOLERANCE = 0.01  # of its length
 
 
@@ -88,7 +90,7 @@ class Faults:
             fields = chunk.fields
 
             def describe(row: int) -> str:
-                seen = "an open quotation mark" if fields[row] < 0 else f"{fields[row]} fields"
+                seen = MARKS.get(int(fields[row]), f"{fields[row]} fields")
                 return f" must have {len(self._columns)} fields like the header, got {seen}"
 
             yield fields != 0, describe
@@ -100,7 +102,7 @@ class Faults:
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (
-                    f", {called} must be {chunk.rule}, got {chunk.text(row, column)!r}"
+                    f", {called} must be {chunk.rule}, got {shown(chunk.text(row, column))!r}"
                 ),
             )
 
@@ -111,7 +113,7 @@ class Faults:
                 np.abs(chunk.numbers[column]) > LARGEST / abs(factor),
                 lambda row, column=column: (
                     f", column {column!r} must be at most {LARGEST:g} in SI units, got "
-                    f"{chunk.text(row, column)!r}"
+                    f"{shown(chunk.text(row, column))!r}"
                 ),
             )
 
@@ -132,7 +134,8 @@ class Faults:
         names = ORIENTATION[3]
         if self._plan.dimension == 3 and self._plan.required >= set(names):
             parts = np.stack([chunk.numbers[self._plan.source[name]] for name in names])
-            length = np.sqrt((parts * parts).sum(axis=0))
+            with np.errstate(over="ignore"):  # of those that are none
+                length = np.sqrt((parts * parts).sum(axis=0))
             yield (
                 np.abs(length - 1) > QUATERNION_TOLERANCE,
                 lambda row: (

@@ -75,7 +75,9 @@ class Picture:
         room = {"bottom": 0.55 / height, "top": 1 - 0.45 / height, "left": 0.065, "right": 0.99}
         every = self._envelope.rows_a_bin
         note = f"; lines: means, bands: extremes of {every} rows each" * (every > 1)
-        figure.suptitle(self._title + note, fontsize="medium", y=1 - 0.12 / height, va="top")
+        figure.suptitle(
+            self._title + note, fontsize="medium", y=1 - 0.12 / height, va="top", parse_math=False
+        )  # a $ in the name of a file is no formula
         grid: Any = figure.subplots(
             rows, 2, sharex=True, squeeze=False, gridspec_kw={**room, "hspace": 0.1, "wspace": 0.13}
         )

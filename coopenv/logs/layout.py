@@ -1,19 +1,18 @@
 """Layout of a recorded file: names of columns, frames, units, and where the effectors hold."""
 
-import json
 import os
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.arrays import FloatArray, finite_array, whole
+from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs.columns import is_documented
+from coopenv.logs.layoutfile import load_fields
+from coopenv.logs.limits import Limits, shown
 
 UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
@@ -36,6 +35,7 @@ UNITS: dict[str, dict[str, float]] = {
 
 LARGEST = 1e50  # of what is measured, in SI units: products of it are numbers still
 
+LIMITS = Limits()
 CHOICES = {
     "frame": ("object", "world"),
     "twist_frame": ("object", "world"),
@@ -80,10 +80,25 @@ class Layout:
     angular_velocity: str = "rad/s"
     force: str = "N"
     torque: str = "N*m"
+    # the most that a file may have, so that none costs more than it should; see Limits
+    max_row_bytes: int = LIMITS.row_bytes
+    max_columns: int = LIMITS.columns
+    max_effectors: int = LIMITS.effectors
+    max_rows: int = LIMITS.rows
+    max_block_bytes: int = LIMITS.block_bytes
 
     def __post_init__(self):
         if self.twist_frame is None:
             object.__setattr__(self, "twist_frame", self.frame)
+        for name in (*CHOICES, *UNITS):
+            if not isinstance(getattr(self, name), str):
+                raise InvalidInput(
+                    f"{name} must be a word, got {shown(getattr(self, name))}; see "
+                    "docs/recordings.md for those that are known"
+                )
+        for limit in fields(Limits):
+            name = f"max_{limit.name}"
+            object.__setattr__(self, name, whole(getattr(self, name), name, at_least=1))
         for name, known in CHOICES.items():
             if getattr(self, name) not in known:
                 raise UnknownName(name, getattr(self, name), known)
@@ -101,8 +116,8 @@ class Layout:
         for name, theirs in self.columns.items():
             if not isinstance(theirs, str):
                 raise InvalidInput(
-                    f"columns must map names to names, got {name} = {theirs!r}; write the name of "
-                    "a column in quotation marks"
+                    f"columns must map names to names, got {shown(name)} = {shown(theirs)}; write "
+                    "the name of a column in quotation marks"
                 )
             if not is_documented(name):
                 raise InvalidInput(
@@ -114,9 +129,16 @@ class Layout:
         named = self.trial_columns  # one name is no sequence of letters
         named = (named,) if isinstance(named, str) else named
         if not isinstance(named, tuple | list) or not all(isinstance(each, str) for each in named):
-            raise InvalidInput(f"trial_columns must be names of columns, got {named!r}; list them")
+            raise InvalidInput(
+                f"trial_columns must be names of columns, got {shown(named)}; list them"
+            )
         named = tuple(named)
         object.__setattr__(self, "trial_columns", named)
+
+    @property
+    def limits(self) -> Limits:
+        """On what a file may cost."""
+        return Limits(**{each.name: getattr(self, f"max_{each.name}") for each in fields(Limits)})
 
     def factor(self, quantity: str) -> float:
         """What a number of that quantity is multiplied with to be in SI units."""
@@ -158,13 +180,28 @@ class Layout:
         UnknownName
             If it has a field that does not exist.
         """
-        content = {} if path is None else _load(Path(path))
+        content = {} if path is None else load_fields(path)
         known = [entry.name for entry in fields(cls)]
         for name in (*content, *said):
             if name not in known:
                 raise UnknownName(f"field of a layout in {path}", name, known)
         columns = {**content.pop("columns", {}), **said.pop("columns", {})}
-        return cls(**{**content, **said, "columns": columns})
+        try:
+            return cls(**{**content, **said, "columns": columns})
+        except CoopenvError as error:
+            if content:
+                _blame(error, path, cls, said)
+            raise
+
+
+def _blame(error: CoopenvError, path: Any, layout: type[Layout], said: dict[str, Any]) -> None:
+    """Name the file in an error, unless what was said beside it is wrong already."""
+    try:
+        layout(**said)
+    except CoopenvError:
+        return
+    said_of, _, remedy = str(error).rpartition(";")
+    error.args = (f"{path}: {shown(said_of, 500)};{remedy}",)
 
 
 def parse_mapping(pairs: Iterable[str]) -> dict[str, str]:
@@ -194,24 +231,3 @@ def _checked_grips(grips: Any) -> tuple:
             "effector"
         )
     return tuple(tuple(row) for row in array.tolist()) if nested else tuple(array.tolist())
-
-
-def _load(path: Path) -> dict[str, Any]:
-    try:
-        if path.suffix == ".json":
-            content = json.loads(path.read_text(encoding="utf-8"))
-        elif path.suffix == ".toml":
-            content = tomllib.loads(path.read_text(encoding="utf-8"))
-        else:
-            raise InvalidInput(
-                f"layout must be a .toml or .json file, got {str(path)!r}; rename it"
-            )
-    except (OSError, ValueError) as error:
-        if isinstance(error, InvalidInput):
-            raise
-        raise InvalidInput(
-            f"layout must be a readable file, got {str(path)!r}: {error}; repair it"
-        ) from error
-    if not isinstance(content, dict) or not isinstance(content.get("columns", {}), dict):
-        raise InvalidInput(f"layout must be a table of fields, got {path}; see docs/recordings.md")
-    return content

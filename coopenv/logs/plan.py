@@ -1,7 +1,8 @@
 """Matching of a file's columns to the documented ones, as a layout asks."""
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -16,10 +17,12 @@ from coopenv.logs.columns import (
     quantity,
 )
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import Limits, shown
 
 NUMBERED = re.compile(r"[ftr]\d+[xyz]")  # from any number
 SPATIAL = re.compile(r"[fr]\d+z|t\d+[xy]")  # out of the plane
 LISTED = 30  # columns that a message lists
+DIGITS = 9  # of the number of an effector
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,9 +69,9 @@ def make_plan(
         If a column is missing or said twice; the message names the nearest there is.
     """
     found = _find(path, columns, layout)
+    count = _count(path, found, layout.limits)
     need = _Need(path, columns, found)
     need("f1x", "f1y")
-    count = _count(found)
     dimension = _dimension(found, layout, count)
     if layout.grips is not None and grips_in_file:
         raise InvalidInput(f"grips must be said once, got them in {path} too; leave them out")
@@ -91,7 +94,7 @@ def make_plan(
     taken = set(source.values())
     rest = [name for name in columns if name not in taken]
     # carried, they would mean something where the table is read again
-    unused = [name for name in rest if is_documented(name) or NUMBERED.fullmatch(name)]
+    unused = dict.fromkeys(name for name in rest if is_documented(name) or NUMBERED.fullmatch(name))
     return Plan(
         num_effectors=count,
         dimension=dimension,
@@ -106,16 +109,17 @@ def make_plan(
 
 def _find(path: str, columns: Sequence[str], layout: Layout) -> dict[str, str]:
     """Documented name → column, of all that are there."""
-    if len(set(columns)) < len(columns):
-        twice = next(name for name in columns if list(columns).count(name) > 1)
+    there = set(columns)
+    if len(there) < len(columns):
+        twice = next(name for name, number in Counter(columns).items() if number > 1)
         raise InvalidInput(f"{path}: columns must differ, got {twice!r} twice; rename one")
     found = {name: name for name in columns if is_documented(name)}
     for name, said in layout.columns.items():
         found.pop(name, None)
         if not said:
             continue
-        theirs = said[1:] if _negated(said, columns) else said
-        if theirs not in columns:
+        theirs = said[1:] if _negated(said, there) else said
+        if theirs not in there:
             hint = _hint(name, columns, theirs.removeprefix("-"))
             raise InvalidInput(
                 f"{path}: {name} must be mapped to one of its columns, got {theirs!r}; {hint}"
@@ -132,14 +136,22 @@ def _find(path: str, columns: Sequence[str], layout: Layout) -> dict[str, str]:
     return found
 
 
-def _negated(said: str, columns: Sequence[str]) -> bool:
+def _negated(said: str, columns: Collection[str]) -> bool:
     """Whether a mapping turns the sign of a column: "-Fx", unless a column is called so."""
     return said.startswith("-") and said not in columns and said[1:] in columns
 
 
-def _count(found: dict[str, str]) -> int:
-    """Number of effectors."""
-    return max(int(name[1:-1]) for name in found if EFFECTOR.fullmatch(name) is not None)
+def _count(path: str, found: dict[str, str], limits: Limits) -> int:
+    """Number of effectors: the largest in a name of a column, if it is not beyond the limit."""
+    count = 0
+    for name in found:
+        match = EFFECTOR.fullmatch(name)
+        if match is not None:
+            few = len(match[2]) <= DIGITS
+            number = int(match[2]) if few else f"number {shown(match[2], DIGITS)}"
+            limits.require("effectors", number, f"{path}, column {shown(name)!r}", "rename it")
+            count = max(count, int(match[2]))
+    return count
 
 
 def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
@@ -250,4 +262,5 @@ def _taken(name: str, column: str) -> bool:
 
 
 def _listed(columns: Sequence[str]) -> str:
-    return ", ".join(columns[:LISTED]) + (" …" if len(columns) > LISTED else "")
+    named = ", ".join(shown(column) for column in columns[:LISTED])
+    return named + (" …" if len(columns) > LISTED else "")

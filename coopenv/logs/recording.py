@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -16,8 +17,11 @@ from coopenv.logs.faults import Faults
 from coopenv.logs.formats import open_source
 from coopenv.logs.formats.chunks import Chunk, Column
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import require_short_names
 from coopenv.logs.plan import make_plan
 from coopenv.logs.trials import Trials
+
+EXACT = 2.0**53  # whole numbers below are floats without rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -138,9 +142,11 @@ class Reader:
     ):
         self.path = os.fspath(path)
         self.layout = layout if layout is not None else Layout()
-        self._source = open_source(path, self.layout.decimal)
+        self._source = open_source(path, self.layout.decimal, self.layout.limits)
         columns, grips_in_file = self._source.columns, self._source.grips is not None
-        self.plan = make_plan(self.path, columns, self.layout, grips_in_file=grips_in_file)
+        require_short_names(self.path, (*columns, *self._source.left_out))
+        with naming(self.path):
+            self.plan = make_plan(self.path, columns, self.layout, grips_in_file=grips_in_file)
         self.faults = Faults(self.path, columns, self.plan, bad_rows)
         self.left_out = [*self._source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
@@ -194,11 +200,9 @@ class Reader:
     def _checked_grips(self, in_file: FloatArray) -> FloatArray:
         """Grips that the file holds [m]."""
         plan = self.plan
-        try:
+        with naming(self.path):
             layout = replace(self.layout, grips=tuple(in_file.ravel().tolist()), space="auto")
             grips = layout.grips_of(plan.num_effectors)
-        except InvalidInput as error:
-            raise InvalidInput(f"{self.path}: {error}") from error
         assert grips is not None
         if self.layout.space == "plane":
             grips = grips[:, :2]
@@ -212,11 +216,13 @@ class Reader:
     def _converted(self, chunk: Chunk, trial: IntArray, good: BoolArray) -> Recording:
         """The rows in SI units, object frame, y up."""
         plan, layout = self.plan, self.layout
-        measured = Measured.of(chunk, plan, layout.forces_only)
-        if layout.y == "down":
-            measured.turn_over()
-        if "world" in (layout.frame, layout.twist_frame, layout.grip_frame):
-            measured.turn_to_object(layout, good)
+        with np.errstate(over="ignore", invalid="ignore"):  # of rows that are not good
+            measured = Measured.of(chunk, plan, layout.forces_only)
+            if layout.y == "down":
+                measured.turn_over()
+            if "world" in (layout.frame, layout.twist_frame, layout.grip_frame):
+                measured.turn_to_object(layout, good)
+            time = in_si(chunk, plan, "time") if plan.has(["time"]) else None
         applied = np.concatenate([measured.force, measured.torque], axis=-1)
         for array in (applied, measured.twist, measured.grips):
             if array is not None:
@@ -224,7 +230,7 @@ class Reader:
         grips = measured.grips if measured.grips is not None else self._grips
         assert grips is not None
         return Recording(
-            time=in_si(chunk, plan, "time") if plan.has(["time"]) else None,
+            time=time,
             applied=applied,
             grips=grips,
             position=measured.position,
@@ -234,6 +240,17 @@ class Reader:
             trial=trial,
             good=good,
         )
+
+
+@contextmanager
+def naming(path: str) -> Iterator[None]:
+    """Name the file of a recording in what is refused, where that does not do so itself."""
+    try:
+        yield
+    except InvalidInput as error:
+        if path in str(error):
+            raise
+        raise InvalidInput(f"{path}: {error}") from error
 
 
 def _unmasked(value: Any, name: str) -> Any:
@@ -260,5 +277,6 @@ def _as_numbers(column: Column, decimal: str) -> Column:
         numbers = np.array([float(text.replace(decimal, ".")) for text in texts])
     except (AttributeError, TypeError, ValueError):
         return column
-    whole = numbers.astype(np.int64) if np.isfinite(numbers).all() else numbers
+    exact = (np.abs(numbers) < EXACT).all()  # not where one is NaN
+    whole = numbers.astype(np.int64) if exact else numbers
     return whole if (whole == numbers).all() else numbers

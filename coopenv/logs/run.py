@@ -13,7 +13,7 @@ from coopenv.logs.figure import Picture
 from coopenv.logs.formats import find_format, open_sink
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
-from coopenv.logs.recording import Reader
+from coopenv.logs.recording import Reader, naming
 from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
 
@@ -115,11 +115,9 @@ def _fill(
     """Everything, chunk by chunk."""
     collector, check = Collector(), Check(reader.layout)
     for recording in reader:
-        try:
+        with naming(reader.path):
             analysis = analyse(recording, settings)
-        except InvalidInput as error:
-            raise InvalidInput(f"{reader.path}: {error}") from error
-        sink.write(analysis.columns)
+            sink.write(analysis.columns)
         collector.add(recording, analysis)
         check.add(recording)
         if drawing is not None:

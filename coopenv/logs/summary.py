@@ -156,7 +156,7 @@ class Collector:
     def add(self, recording: Recording, analysis: Analysis) -> None:
         """Append rows."""
         for name, unit in MEASURES:
-            for column in analysis.columns:
+            for column in analysis.results:
                 if column == name or column.removeprefix(f"{name}_").isdigit():
                     kept = self._columns.setdefault(column, _Column(unit))
                     kept.add(analysis[column][recording.good])

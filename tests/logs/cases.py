@@ -57,11 +57,11 @@ def wrench(columns: dict[str, FloatArray], prefix: str = "") -> FloatArray:
 
 def _save_text(columns: dict, path: Path) -> None:
     lines = [",".join(columns)]
-    lines += [",".join(map(_text, row)) for row in zip(*columns.values(), strict=True)]
+    lines += [",".join(map(as_text, row)) for row in zip(*columns.values(), strict=True)]
     path.write_text("\n".join(lines) + "\n")
 
 
-def _text(value: object) -> str:
+def as_text(value: object) -> str:
     return repr(float(value)) if isinstance(value, float | np.floating) else str(value)
 
 

@@ -188,6 +188,97 @@ def test_a_layout_of_other_types_is_explained(content, tmp_path):
         Layout.load(path)
 
 
+@pytest.mark.parametrize("field", ['"o\rk"', "o\rk", '"ok"\r', "\rok"])
+def test_a_carriage_return_within_a_line_is_a_bad_row(field, tmp_path):
+    path = tmp_path / "a.csv"
+    good = "1,2,3,4,5,6,ok\r\n"
+    content = f"f1x,f1y,t1z,f2x,f2y,t2z,note\r\n{good}1,2,3,4,5,6,{field}x\r\n{good}"
+    path.write_bytes(content.encode())
+    said = refusal(lambda: read(path, BEAM))
+    assert f"{path}, line 3 must have 7 fields like the header, got a carriage return" in said
+    assert read(path, BEAM, bad_rows="skip").good.tolist() == [True, False, True]
+
+
+def test_text_that_is_not_utf_8_is_named_by_its_line(tmp_path):
+    lines = [b"f1x,f1y,t1z,f2x,f2y,t2z,note", *[b"1,2,3,4,5,6,ok"] * 50]
+    lines[37] = b"1,2,3,4,5,6,K\xf6ln"
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"\n".join(lines))
+    assert f"{path}, line 38 must be CSV in UTF-8" in refusal(lambda: read(path, BEAM))
+
+
+@pytest.mark.parametrize("suffix", [".toml", ".json"])
+def test_a_layout_nested_too_deeply_or_too_large_is_refused(suffix, tmp_path):
+    path = tmp_path / f"lab{suffix}"
+    begin, end = ("grips = ", "") if suffix == ".toml" else ('{"grips": ', "}")
+    for value, says in (
+        ("[" * 100_000 + "]" * 100_000, "must be a readable file"),
+        ("[" * 20 + "]" * 20, "must be nested at most 8 deep"),
+        ('"' + "é" * 2000 + '"', "must have texts of at most 1,000 characters, got 2,000"),
+        ("[" + "1," * 600_000 + "1]", "must be a layout of at most 1,048,576 bytes"),
+        ("[" + "1," * 3000 + '"a"]', "grips must be an array of numbers, got"),
+    ):
+        path.write_text(begin + value + end, encoding="utf-8")
+        said = refusal(lambda: Layout.load(path))
+        assert says in said
+        assert str(path) in said
+        assert ";" in said
+        assert len(said) < 1000
+
+
+@pytest.mark.parametrize("content", ["frame = [1]", "angle = 3", "grips = ['a']", "max_rows = -1"])
+def test_what_is_wrong_in_a_layout_names_its_file(content, tmp_path):
+    path = tmp_path / "lab.toml"
+    path.write_text(content)
+    assert str(path) in refusal(lambda: Layout.load(path))
+    path.write_text("")
+    assert str(path) not in refusal(lambda: Layout.load(path, force="kn"))
+
+
+def test_grips_that_do_not_go_with_the_columns_name_the_recording(tmp_path):
+    path = cases.save(cases.planar(), tmp_path / "a.npz")
+    said = refusal(lambda: read(path, Layout(grips=(1.0, 2.0, 3.0))))
+    assert said.startswith(f"{path}: grips must be 2 or 3 numbers for each of 2 effectors")
+
+
+def test_a_layout_saved_with_a_byte_order_mark_is_read(tmp_path):
+    path = tmp_path / "lab.json"
+    path.write_text('{"force": "kN"}', encoding="utf-8-sig")
+    assert Layout.load(path).force == "kN"
+
+
+def test_a_column_called_like_a_measure_is_no_measure(tmp_path):
+    names = ("internal_power", "force_load_share_7")
+    columns = cases.planar() | dict.fromkeys(names, np.array(["a"] * 40))
+    columns = {name: values for name, values in columns.items() if name[0] not in "vo"}
+    summary = decompose_file(cases.save(columns, tmp_path / "a.csv"), layout=BEAM, picture=False)
+    assert not set(names) & {measure.name for measure in summary.measures}
+
+
+def test_a_name_of_a_file_is_no_formula_in_the_picture(tmp_path):
+    path = cases.save(cases.planar(), tmp_path / "a $\\frac$.csv")
+    assert decompose_file(path, layout=BEAM).picture == path.with_suffix(".decomposed.png")
+
+
+def test_what_no_unit_can_hold_is_a_bad_row_without_a_warning(tmp_path):
+    columns = cases.planar(5) | {"note": np.array(["1e300", "2", "3", "4", "5"])}
+    columns["f1x"][2], columns["x"][3] = 1e308, 1e308
+    path = cases.save(columns, tmp_path / "a.csv")
+    layout = Layout(grips=cases.BEAM, force="kN", length="ft", frame="world")
+    recording = read(path, layout, bad_rows="skip")
+    assert recording.good.tolist() == [True, True, False, True, True]
+    assert recording.carried["note"][0] == 1e300
+
+
+def test_quaternions_of_any_size_are_compared_without_a_warning(tmp_path):
+    columns = cases.spatial(40) | {"time": np.arange(40.0)}
+    columns["qw"][7] = 1e300
+    path = cases.save(columns, tmp_path / "a.npz")
+    assert decompose_file(path, picture=False).bad_rows == 0
+    layout = Layout(frame="world")
+    assert decompose_file(path, layout=layout, bad_rows="skip", picture=False).bad_rows == 1
+
+
 @pytest.mark.parametrize("hidden", ["tyro", "rich.console", "pyarrow.csv", "matplotlib.figure"])
 def test_a_bare_install_asks_for_the_extra_of_recordings(hidden, tmp_path, capsys, monkeypatch):
     path = cases.save(cases.planar(), tmp_path / "a.csv")

@@ -87,7 +87,8 @@ def _usable(recording: Recording) -> BoolArray:
             flat = values.reshape(len(values), -1)
             usable = usable & (np.abs(flat) <= LARGEST).all(axis=-1)  # False for NaN
     if recording.orientation is not None and recording.orientation.ndim == 2:
-        length = np.linalg.norm(recording.orientation, axis=-1)
+        with np.errstate(over="ignore"):  # of those that are no quaternions
+            length = np.linalg.norm(recording.orientation, axis=-1)
         usable = usable & (np.abs(length - 1) < QUATERNION_TOLERANCE)
     return usable
 

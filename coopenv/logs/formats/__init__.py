@@ -13,6 +13,7 @@ from coopenv.logs.formats.chunks import Format, Sink, Source
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
 from coopenv.logs.formats.text import TextSink, TextSource
+from coopenv.logs.limits import Limits
 
 FORMATS = (
     Format((".csv", ".tsv", ".txt"), TextSource, TextSink),
@@ -21,20 +22,23 @@ FORMATS = (
 )
 
 
-def open_source(path: str | os.PathLike, decimal: str = ".") -> Source:
+def open_source(
+    path: str | os.PathLike, decimal: str = ".", limits: Limits | None = None
+) -> Source:
     """Open a file for reading.
 
     Raises
     ------
     InvalidInput
-        If there is no such file, or it cannot be read, or its suffix or content is not understood.
+        If there is no such file, or it cannot be read, its suffix or content is not understood, or
+        it is beyond a limit.
     MissingExtra
         If reading it needs the extra ``analysis``.
     """
     path = Path(path)
     require_file(path)
     with reading(path):
-        return find_format(path).source(path, decimal)
+        return find_format(path).source(path, decimal, limits if limits is not None else Limits())
 
 
 def open_sink(path: str | os.PathLike) -> Sink:

@@ -10,8 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.logs.limits import Limits
 
 CHUNK_ROWS = 16_384
+CHUNK_BYTES = 32 << 20  # of wide rows there are fewer in a chunk
 Column = npt.NDArray[Any]
 
 
@@ -50,11 +52,13 @@ class Source(ABC):
         Of a file that exists.
     decimal
         What separates decimals, for formats that hold numbers as text.
+    limits
+        On what the file may cost.
 
     Raises
     ------
     InvalidInput
-        If the file is not of the format.
+        If the file is not of the format, or beyond a limit.
     MissingExtra
         If reading it needs the extra ``analysis``.
     """
@@ -64,7 +68,7 @@ class Source(ABC):
     grips: FloatArray | None = None  # (n, 2 or 3) if the file has them once, in its own unit
 
     @abstractmethod
-    def __init__(self, path: Path, decimal: str): ...
+    def __init__(self, path: Path, decimal: str, limits: Limits): ...
 
     @abstractmethod
     def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
@@ -112,6 +116,33 @@ class Sink(ABC):
     @abstractmethod
     def abandon(self) -> None:
         """Release the file, which is not wanted any more; it may be half written."""
+
+
+def rows_at_once(most: int, row_bytes: int) -> int:
+    """How many rows of so many bytes are read at once: ``most``, or fewer where they are wide."""
+    return max(1, min(most, CHUNK_BYTES // max(row_bytes, 1)))
+
+
+def plain(column: Column) -> Column:
+    """A carried column of a type that every format writes.
+
+    Numbers in the byte order of the machine and of at most 64 bits; bytes as text, with the code of
+    those that are none.
+    """
+    kind, size = column.dtype.kind, column.dtype.itemsize
+    if kind == "f" and size not in (4, 8):
+        return column.astype(np.float64)
+    if kind in "biufU" and not column.dtype.isnative:
+        return column.astype(column.dtype.newbyteorder("="))
+    if kind == "S":
+        column = column.astype(object)
+    if column.dtype == object and any(isinstance(each, bytes) for each in column):
+        return np.array([_text(each) for each in column], dtype=object)
+    return column
+
+
+def _text(value: Any) -> Any:
+    return value.decode(errors="backslashreplace") if isinstance(value, bytes) else value
 
 
 class Format(NamedTuple):

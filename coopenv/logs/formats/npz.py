@@ -4,9 +4,9 @@ NumPy alone does it; no extra is needed.
 """
 
 import shutil
+import sys
 import tempfile
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -18,9 +18,20 @@ import numpy.typing as npt
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names
-from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, Sink, Source
+from coopenv.logs.formats.arrays import Array, Rows, archive_of
+from coopenv.logs.formats.chunks import (
+    CHUNK_ROWS,
+    Chunk,
+    Column,
+    Sink,
+    Source,
+    plain,
+    rows_at_once,
+)
+from coopenv.logs.limits import Limits, shown
 
 BLOCKS = ("force", "torque", "grips", "pose", "twist")
+CARRIED = "biufUSmM"  # kinds of arrays that can be written to every table
 POSE = {3: (*POSITION[2], *ORIENTATION[2]), 7: (*POSITION[3], *ORIENTATION[3])}
 
 
@@ -32,14 +43,14 @@ class NpzSource(Source):
     of the documented names.
     """
 
-    def __init__(self, path: Path, decimal: str):
-        self._path = path
+    def __init__(self, path: Path, decimal: str, limits: Limits):
+        self._path, self._limits = path, limits
         try:
-            with zipfile.ZipFile(path) as archive:
+            with archive_of(path, limits) as archive:
                 self._arrays = {
-                    entry.removesuffix(".npy"): _Array(archive, entry)
-                    for entry in archive.namelist()
-                    if entry.endswith(".npy")
+                    entry.filename.removesuffix(".npy"): Array(archive, entry)
+                    for entry in archive.infolist()
+                    if entry.filename.endswith(".npy")
                 }
                 self._columns: dict[str, tuple[str, tuple[int, ...]]] = {}
                 self.grips = self._constant_grips(archive)
@@ -47,10 +58,11 @@ class NpzSource(Source):
             if isinstance(error, InvalidInput):
                 raise
             raise InvalidInput(
-                f"{path} must be an NPZ file of plain arrays, got {error}; write it with "
-                "numpy.savez"
+                f"{path} must be an NPZ file of plain arrays, got {shown(error, 200)}; write it "
+                "with numpy.savez"
             ) from error
         self._rows = self._length()
+        limits.require("rows", self._rows, f"{path}", "cut it")
         for name, array in self._arrays.items():
             self._add(name, array)
         self.columns = list(self._columns)
@@ -61,11 +73,13 @@ class NpzSource(Source):
         """Read all arrays side by side."""
         for name in numbers:
             self._require_numbers(self._columns[name][0])
-        wanted = dict.fromkeys(self._columns[name][0] for name in (*numbers, *carried))
-        with zipfile.ZipFile(self._path) as archive, ExitStack() as stack:
+        wanted = list(dict.fromkeys(self._columns[name][0] for name in (*numbers, *carried)))
+        row_bytes = self._row_bytes(wanted)
+        most = rows_at_once(CHUNK_ROWS, row_bytes)
+        with archive_of(self._path, self._limits) as archive, ExitStack() as stack:
             files = {name: self._arrays[name].open(archive, stack) for name in wanted}
-            for first in range(0, self._rows, CHUNK_ROWS):
-                rows = min(CHUNK_ROWS, self._rows - first)
+            for first in range(0, self._rows, most):
+                rows = min(most, self._rows - first)
                 read = self._read(files, rows)
                 pick = {
                     name: read[self._columns[name][0]][(slice(None), *self._columns[name][1])]
@@ -73,18 +87,42 @@ class NpzSource(Source):
                 }
                 yield Chunk(
                     numbers={name: pick[name].astype(np.float64) for name in numbers},
-                    carried={name: pick[name] for name in carried},
+                    carried={name: plain(self._text(pick[name], name)) for name in carried},
                     rows=rows,
                     first_row=first + 1,
                     progress=(first + rows) / self._rows,
                 )
 
-    def _read(self, files: dict[str, "_Rows"], rows: int) -> dict[str, npt.NDArray[Any]]:
+    def _row_bytes(self, wanted: Sequence[str]) -> int:
+        """Of these arrays side by side; raises where that is, or one of them asks for, too much."""
+        require, whole = self._limits.require, 0
+        for name in wanted:
+            array = self._arrays[name]
+            if array.fortran:
+                whole += array.size
+                place = f"{self._path}, array {name!r} in Fortran order"
+                require("block_bytes", whole, place, "save it in C order")
+        row_bytes = sum(self._arrays[name].row_bytes for name in wanted)
+        require("row_bytes", row_bytes, f"{self._path}", "leave out what is not needed")
+        return row_bytes
+
+    def _read(self, files: dict[str, Rows], rows: int) -> dict[str, npt.NDArray[Any]]:
         """The next rows of some arrays."""
         try:
             return {name: file.read(rows) for name, file in files.items()}
         except InvalidInput as error:
             raise InvalidInput(f"{self._path}: {error}") from error
+
+    def _text(self, values: Column, name: str) -> Column:
+        """The same, if it holds no code that is no character."""
+        if values.dtype.kind == "U" and values.dtype.itemsize:
+            code = np.ascontiguousarray(values).view(f"{values.dtype.byteorder}u4")
+            if ((code > sys.maxunicode) | ((code >= 0xD800) & (code < 0xE000))).any():
+                raise InvalidInput(
+                    f"{self._path}, array {name!r} must hold text, got codes that are no "
+                    "characters; write the file again"
+                )
+        return values
 
     def _require_numbers(self, name: str) -> None:
         kind = self._arrays[name].dtype
@@ -98,9 +136,15 @@ class NpzSource(Source):
         if array is None or len(array.shape) != 2:
             return None
         self._require_numbers("grips")
+        self._require_few("grips", array.shape[0])
+        self._row_bytes(["grips"])
         with ExitStack() as stack:
             rows = {"grips": array.open(archive, stack)}
             return self._read(rows, array.shape[0])["grips"].astype(np.float64)
+
+    def _require_few(self, name: str, effectors: int) -> None:
+        place = f"{self._path}, array {name!r}"
+        self._limits.require("effectors", effectors, place, "leave some out")
 
     def _length(self) -> int:
         """Number of rows: that of the forces, which every recording has."""
@@ -110,11 +154,13 @@ class NpzSource(Source):
         lengths = [array.shape[0] for array in self._arrays.values() if array.shape]
         return max(lengths, default=0)
 
-    def _add(self, name: str, array: "_Array") -> None:
+    def _add(self, name: str, array: Array) -> None:
         """Enter the columns that an array holds."""
-        if name == "grips" and self.grips is not None:
+        if (name == "grips" and self.grips is not None) or array.dtype.kind not in CARRIED:
             return
         if name in BLOCKS and len(array.shape) > 1:
+            if name not in ("pose", "twist"):
+                self._require_few(name, array.shape[1])
             columns = _block_columns(name, array.shape[1:])
             if columns is None:
                 raise InvalidInput(
@@ -137,6 +183,8 @@ class NpzSource(Source):
                     f"{self._columns[column][0]!r}; leave one out"
                 )
             self._columns[column] = (name, index)
+        remedy = "leave out what is not needed"
+        self._limits.require("columns", len(self._columns), f"{self._path}", remedy)
 
 
 class NpzSink(Sink):
@@ -196,58 +244,6 @@ def _block_columns(name: str, shape: tuple[int, ...]) -> dict[str, tuple[int, ..
         return None
     groups = effector_names(kind, *shape)
     return {each: (i, j) for i, group in enumerate(groups) for j, each in enumerate(group)}
-
-
-class _Array:
-    """An array in the archive, of which rows are read one after the other."""
-
-    def __init__(self, archive: zipfile.ZipFile, entry: str):
-        self._entry = entry
-        with archive.open(entry) as file:
-            self.shape, self._fortran, self.dtype = _header(file)
-        if self.dtype.hasobject:
-            raise ValueError(f"array {entry!r} of Python objects")
-
-    def open(self, archive: zipfile.ZipFile, stack: ExitStack) -> "_Rows":
-        """Ready to read its first row."""
-        file = stack.enter_context(archive.open(self._entry))
-        if self._fortran and len(self.shape) > 1:  # its rows are scattered: all of it, then
-            return _Rows(None, self.dtype, np.lib.format.read_array(file))
-        _header(file)
-        return _Rows(file, self.dtype, np.empty((0, *self.shape[1:])))
-
-
-class _Rows:
-    """What is left to read of an array."""
-
-    def __init__(self, file: IO[bytes] | None, dtype: np.dtype, whole: npt.NDArray[Any]):
-        self._file, self._dtype, self._whole = file, dtype, whole
-        self._at = 0
-
-    def read(self, rows: int) -> npt.NDArray[Any]:
-        """The next rows."""
-        if self._file is None:
-            self._at += rows
-            return self._whole[self._at - rows : self._at]
-        shape = (rows, *self._whole.shape[1:])
-        size = int(np.prod(shape)) * self._dtype.itemsize
-        try:
-            data = self._file.read(size)
-        except (OSError, zipfile.BadZipFile, zlib.error) as error:
-            raise InvalidInput(
-                f"arrays must be whole, got {error}; write the file again"
-            ) from error
-        if len(data) < size:
-            raise InvalidInput(
-                "arrays must be whole, got one that ends early; write the file again"
-            )
-        return np.frombuffer(data, self._dtype).reshape(shape)
-
-
-def _header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
-    version = np.lib.format.read_magic(file)
-    read = np.lib.format.read_array_header_1_0
-    return (read if version[0] == 1 else np.lib.format.read_array_header_2_0)(file)
 
 
 def _plain(values: Column) -> Column:

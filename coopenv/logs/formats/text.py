@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source
+from coopenv.logs.formats.lines import Lines
+from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once
 SEPARATORS = (",", ";", "\t")
-LINE_FEED, RETURN = 10, 13
+SHORTEN = "shorten it"
 
 
 class TextSource(Source):
@@ -30,16 +32,18 @@ class TextSource(Source):
     quoted, but a quoted field must end on its line. Empty lines are passed over.
     """
 
-    def __init__(self, path: Path, decimal: str):
+    def __init__(self, path: Path, decimal: str, limits: Limits):
         try:
             import pyarrow.csv  # noqa: F401
         except ImportError as error:
             raise MissingExtra("reading CSV", "analysis") from error
-        self._path, self._decimal = path, decimal
+        self._path, self._decimal, self._limits = path, decimal, limits
         self._rule = "a finite number" + " without a point (--decimal ,)" * (decimal == ",")
         with path.open("rb") as file:
-            header = file.readline()
+            header = file.readline(limits.row_bytes + 1)
             self._body = file.tell()
+        if len(header) > limits.row_bytes:
+            limits.require("row_bytes", "more", f"{path}, line 1", SHORTEN)
         text = self._decode(header.removeprefix(b"\xef\xbb\xbf"), "line 1")
         if not text.strip():
             seen = "a blank line" if header.endswith(b"\n") else "an empty file"
@@ -62,15 +66,20 @@ class TextSource(Source):
                 f"{path}: decimal must not be what separates the columns, got {decimal!r} for both;"
                 " separate them with semicolons"
             )
-        self.columns = [name.strip() for name in self.split(text)]
+        self.columns = [name.strip() for name in self.split(text, "line 1")]
+        remedy = "leave out what is not needed"
+        limits.require("columns", len(self.columns), f"{path}, line 1", remedy)
 
     def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
         """Read block by block; what is carried stays text."""
         row, line = 1, 2
         for block, progress in self._blocks():
-            lines = _Lines(block, self)
+            lines = Lines(block, line, self.columns, self.separator, self.split)
+            if lines.longest > self._limits.row_bytes:
+                place = f"{self._path}, line {line + lines.longest_number}"
+                self._limits.require("row_bytes", "more", place, SHORTEN)
             if lines.rows:
-                table = self._parse(lines.good_bytes(), numbers, carried)
+                table = self._parse(lines, numbers, carried)
                 good = lines.good[lines.kept]
                 yield _TextChunk(
                     numbers={
@@ -84,57 +93,78 @@ class TextSource(Source):
                     rule=self._rule,
                     fields=np.where(good, 0, lines.fields[lines.kept]),
                     lines=lines,
-                    first_line=line,
                 )
             row, line = row + lines.rows, line + len(lines.ends)
 
-    def split(self, line: str) -> list[str]:
+    def split(self, line: str, place: str) -> list[str]:
         """Fields of a line, without quotation marks."""
         try:
             return next(csv.reader([line], delimiter=self.separator), [])
         except csv.Error as error:
             raise InvalidInput(
-                f"{self._path} must be a text table, got a line that is none ({error}); export it "
-                "as CSV"
+                f"{self._path}, {place} must be a line of a text table, got one that is none "
+                f"({error}); export it as CSV"
             ) from error
 
     def _blocks(self) -> Iterator[tuple[bytes, float]]:
         """Whole lines of the body, each with its line feed, and the share that has been read."""
         size = max(self._path.stat().st_size, 1)
-        rest = b""
+        rest = bytearray()  # of a line that goes on
         with self._path.open("rb") as file:
             file.seek(self._body)
             while True:
                 read = file.read(BLOCK)
-                block = rest + read
-                if not block:
+                end = read.rfind(b"\n") + 1
+                if read and not end and len(rest) + len(read) <= self._limits.row_bytes:
+                    rest += read
+                elif end:
+                    block = b"".join((rest, memoryview(read)[:end]))
+                    rest = bytearray(memoryview(read)[end:])
+                    yield block, min(1.0, file.tell() / size)
+                else:  # the last line, or one that is too long
+                    if rest or read:
+                        yield bytes(rest + read + b"\n"), 1.0
                     return
-                end = block.rfind(b"\n") + 1 if read else len(block)
-                block, rest = block[:end], block[end:]
-                if not block:
-                    continue  # a line longer than a block
-                if not block.endswith(b"\n"):
-                    block += b"\n"
-                yield block, min(1.0, file.tell() / size)
 
-    def _parse(self, data: bytes, numbers: Sequence[str], carried: Sequence[str]) -> Any:
+    def _parse(self, lines: Lines, numbers: Sequence[str], carried: Sequence[str]) -> Any:
         """The columns as pyarrow parses them; all as text where a number is not one."""
         import pyarrow as pa
 
         texts = dict.fromkeys(carried, pa.string())
         types = dict.fromkeys(numbers, pa.float64()) | texts
+        data = lines.good_bytes()
         if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
             return pa.schema(list(types.items())).empty_table()
         try:
             return self._table(data, types)
         except pa.ArrowInvalid:
             pass
+        types = dict.fromkeys(numbers, pa.string()) | texts
         try:
-            return self._table(data, dict.fromkeys(numbers, pa.string()) | texts)
+            return self._table(data, types)
         except pa.ArrowInvalid as error:
+            place, why = self._first_refused(lines, types, error)
             raise InvalidInput(
-                f"{self._path} must be CSV in UTF-8, got {error}; save it again"
+                f"{self._path}, {place} must be CSV in UTF-8, got {shown(why, 200)}; save it again"
             ) from error
+
+    def _first_refused(
+        self, lines: Lines, types: dict[str, Any], why: Exception
+    ) -> tuple[str, Exception]:
+        """The first line that pyarrow does not take, and what it says; found by halving."""
+        import pyarrow as pa
+
+        low, high = 0, len(lines.good)
+        while high - low > 1:
+            middle = (low + high) // 2
+            data = lines.good_bytes(low, middle)
+            try:
+                if data:
+                    self._table(data, types)
+                low = middle
+            except pa.ArrowInvalid as error:
+                high, why = middle, error
+        return f"line {lines.first + low}", why
 
     def _table(self, data: bytes, types: dict[str, Any]) -> Any:
         import pyarrow as pa
@@ -142,7 +172,7 @@ class TextSource(Source):
 
         return arrow.read_csv(
             pa.BufferReader(data),
-            arrow.ReadOptions(column_names=self.columns, block_size=2 * BLOCK),
+            arrow.ReadOptions(column_names=self.columns, block_size=max(2 * BLOCK, len(data) + 1)),
             arrow.ParseOptions(delimiter=self.separator),
             arrow.ConvertOptions(
                 column_types=types, include_columns=list(types), decimal_point=self._decimal
@@ -181,7 +211,7 @@ class TextSink(Sink):
             csv.writer(header, lineterminator="\n").writerow(columns)
             self._file.write(header.getvalue().encode())
             self._begun = True
-        arrays = [pa.array(values, from_pandas=True) for values in columns.values()]
+        arrays = [_array(values) for values in columns.values()]
         self._wait()
         self._pending = self._pool.submit(self._append, pa.table(arrays, names=list(columns)))
 
@@ -205,57 +235,14 @@ class TextSink(Sink):
             self._pending = None
 
 
-class _Lines:
-    """Lines of a block of bytes, and which of them have as many fields as the header."""
-
-    def __init__(self, block: bytes, source: TextSource):
-        self._block, self._source = block, source
-        self._codes = np.frombuffer(block, dtype=np.uint8)
-        self.ends: IntArray = np.flatnonzero(self._codes == LINE_FEED)
-        self.starts: IntArray = np.concatenate([[0], self.ends[:-1] + 1])
-        separators = self._codes == ord(source.separator)
-        self.fields: IntArray = np.add.reduceat(separators, self.starts, dtype=np.int64) + 1
-        if b'"' in block:
-            self._count_quoted()
-        length = self.ends - self.starts
-        self.kept: BoolArray = (length > 1) | ((length == 1) & (self._codes[self.starts] != RETURN))
-        self.good: BoolArray = self.kept & (self.fields == len(source.columns))
-        self.rows = int(self.kept.sum())
-
-    def number(self, row: int) -> int:
-        """Which line, from 0, a row is: lines that are empty are no rows."""
-        return int(np.flatnonzero(self.kept)[row])
-
-    def field(self, row: int, column: str) -> str:
-        """What a row has in a column."""
-        return self._fields(self.number(row))[self._source.columns.index(column)]
-
-    def good_bytes(self) -> bytes:
-        """The lines that have all their fields."""
-        if self.good.all():
-            return self._block
-        return self._codes[np.repeat(self.good, self.ends - self.starts + 1)].tobytes()
-
-    def _fields(self, number: int) -> list[str]:
-        line = self._block[self.starts[number] : self.ends[number]]
-        return self._source.split(line.decode(errors="replace").rstrip("\r"))
-
-    def _count_quoted(self) -> None:
-        """Count fields of lines with quotation marks; -1 where one is left open."""
-        quoted = np.add.reduceat(self._codes == ord('"'), self.starts, dtype=np.int64)
-        for number in np.flatnonzero(quoted).tolist():
-            self.fields[number] = len(self._fields(number)) if quoted[number] % 2 == 0 else -1
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _TextChunk(Chunk):
     """Rows named by their lines, with what is written there."""
 
-    lines: _Lines
-    first_line: int  # its number in the file, from 1
+    lines: Lines
 
     def place(self, row: int) -> str:
-        return f"line {self.first_line + self.lines.number(row)}"
+        return f"line {self.lines.first + self.lines.number(row)}"
 
     def text(self, row: int, column: str) -> str:
         return self.lines.field(row, column)
@@ -287,6 +274,16 @@ def _spread(values: npt.NDArray, good: BoolArray, missing: object) -> Column:
     spread = np.full(len(good), missing, dtype=values.dtype)
     spread[good] = values
     return spread
+
+
+def _array(values: Column) -> Any:
+    """A pyarrow array; as text where values are of several types."""
+    import pyarrow as pa
+
+    try:
+        return pa.array(values, from_pandas=True)
+    except (pa.ArrowInvalid, pa.ArrowTypeError, pa.ArrowNotImplementedError):
+        return pa.array([None if value is None else str(value) for value in values], pa.string())
 
 
 def _as_text(table: Any) -> bytes:

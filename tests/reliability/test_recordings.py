@@ -1,0 +1,62 @@
+"""Damaged recordings and layouts of every format are read or refused in words."""
+
+import pytest
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("pandas")
+
+from tests.reliability import damaged as campaign
+from tests.reliability.damaged import KINDS, check, damaged
+
+SEEDS = 600
+
+
+@pytest.mark.parametrize("kind", range(len(KINDS)), ids=[suffix for suffix, _ in KINDS])
+def test_a_damaged_file_is_read_or_refused_in_words(kind, tmp_path):
+    for seed in range(kind, SEEDS, len(KINDS)):
+        path = damaged(seed, tmp_path)
+        check(path)
+        path.unlink()
+
+
+def test_a_seed_always_makes_the_same_file(tmp_path):
+    (tmp_path / "again").mkdir()
+    for seed in range(len(KINDS)):
+        once, again = damaged(seed, tmp_path), damaged(seed, tmp_path / "again")
+        assert once.name == again.name
+        assert once.read_bytes() == again.read_bytes()
+
+
+@pytest.mark.parametrize("fault", ["raises", "leaves", "several lines", "names nothing"])
+def test_what_is_wrong_is_told_with_how_to_see_it_again(fault, tmp_path, monkeypatch):
+    path = tmp_path / "damaged-0.csv"
+    path.write_text("")
+
+    def wrong(given, **_):
+        if fault == "leaves":
+            (tmp_path / "part").write_text("")
+        if fault == "raises":
+            raise KeyError("f1x")
+        said = {"several lines": f"{given}\n; mend it", "names nothing": "bad; mend it"}
+        raise campaign.CoopenvError(said.get(fault, f"{given} is bad; mend it"))
+
+    monkeypatch.setattr(campaign, "decompose_file", wrong)
+    says = {"raises": "raised KeyError", "leaves": "left .*part", "names nothing": "does not name"}
+    with pytest.raises(AssertionError, match=says.get(fault, fault)) as raised:
+        check(path)
+    assert "check(damaged(0, " in str(raised.value)
+    assert str(raised.value).count("\n") < 10
+
+
+def test_some_are_read_and_most_refused(tmp_path):
+    read = 0
+    for seed in range(120):
+        path = damaged(seed, tmp_path)
+        try:
+            made = campaign.use(path)
+        except campaign.CoopenvError:
+            continue
+        read += 1
+        for each in made:
+            each.unlink()
+    assert 12 < read < 80
