@@ -1,6 +1,7 @@
 """Array types, rows of arrays, and checks of the numbers, ranges and arrays that users give."""
 
 from collections.abc import Sequence
+from itertools import chain
 from math import isfinite
 from typing import Any, TypeAlias, TypeVar
 
@@ -15,6 +16,9 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 Range: TypeAlias = tuple[float, float]  # lowest and highest; both may be the same
 
 LARGEST = 1e12  # of any magnitude in SI units: products of a few still have room in a float
+FLAT = {bool, float, int, np.float64, np.ndarray}  # types in which nothing can be masked
+NESTED = {list, tuple}
+MOST_LEVELS = 64  # of lists within lists; NumPy makes no array of more
 FARTHEST = 1e6  # [m] and [rad]; beyond, rounding of a position or an angle shows
 
 Array = TypeVar("Array", bound=npt.NDArray[Any])
@@ -212,6 +216,18 @@ def _refuse_masked(value: Any, name: str) -> None:
 
 
 def _count_masked(value: Any) -> int:
-    if np.ma.isMA(value):
-        return int(np.ma.count_masked(value))
-    return sum(map(_count_masked, value)) if isinstance(value, list | tuple) else 0
+    """Masked elements of an array, or of arrays in lists and tuples, looked at level by level.
+
+    Of each level the types tell whether there is anything to look at, so that long lists of plain
+    numbers cost little.
+    """
+    count, level = 0, [value]
+    for _ in range(MOST_LEVELS):
+        kinds = set(map(type, level))
+        if kinds <= FLAT:
+            break
+        if not kinds <= NESTED:
+            count += sum(int(np.ma.count_masked(each)) for each in level if np.ma.isMA(each))
+            level = [each for each in level if isinstance(each, list | tuple)]
+        level = list(chain.from_iterable(level))
+    return count

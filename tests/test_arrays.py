@@ -1,12 +1,21 @@
 """Numbers and arrays that users give: what is taken, and what is refused by our own error."""
 
+import timeit
 from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from coopenv.arrays import finite_array, number, plain_array, positive, positive_range, whole
+from coopenv.arrays import (
+    finite_array,
+    number,
+    number_array,
+    plain_array,
+    positive,
+    positive_range,
+    whole,
+)
 from coopenv.errors import InvalidInput
 
 NO_NUMBERS = [
@@ -62,6 +71,30 @@ def test_masked_values_are_refused_and_do_not_count_again():
             read([[masked, [3.0, 4.0]], (masked, [5.0, 6.0])], "x")
     with pytest.raises(InvalidInput, match="x must be a number"):
         number(masked[1], "x")
+
+
+def test_a_masked_element_is_found_at_any_depth_and_beside_plain_numbers():
+    masked = np.ma.masked_array([1.0, 2.0], mask=[False, True])
+    for value in ([1.0, np.ma.masked], [[1.0, 2.0], masked], [[(3.0, 4.0)], [masked]], ([masked],)):
+        with pytest.raises(InvalidInput, match="x must have no masked values, got 1"):
+            number_array(value, "x")
+
+
+def test_looking_for_masked_values_costs_no_more_than_making_the_array():
+    nested = np.zeros((30_000, 2, 3)).tolist()
+
+    def seconds(make) -> float:
+        return min(timeit.repeat(make, number=1, repeat=5))
+
+    # the number of calls of Python for an element, not the speed of the machine
+    assert seconds(lambda: number_array(nested, "x")) < 4 * seconds(lambda: np.asarray(nested))
+
+
+def test_lists_that_hold_themselves_are_refused():
+    nested: list = []
+    nested.append(nested)
+    with pytest.raises(InvalidInput, match="x must be an array of numbers"):
+        number_array(nested, "x")
 
 
 def test_an_array_without_masked_values_is_taken():

@@ -14,13 +14,23 @@ MASS, INERTIA = 6.0, 2.0  # [kg], [kg m²]
 NOISE = {"f": 0.3, "t": 0.05, "x": 5e-4, "y": 5e-4, "theta": 1e-3, "v": 0.01, "omega": 0.01}
 
 
-def planar(seed: int, *, rate: float = 100.0, duration: float = 12.0, noise: float = 1.0) -> dict:
-    """Two effectors move a beam to and fro; columns in the object frame, twist in the world's."""
+def planar(
+    seed: int,
+    *,
+    rate: float = 100.0,
+    duration: float = 12.0,
+    noise: float = 1.0,
+    stiffness: float = 0.0,
+) -> dict:
+    """Two effectors move a beam to and fro; columns in the object frame, twist in the world's.
+
+    A spring of some stiffness [N/m] may hold it to the middle of the room.
+    """
     rng = np.random.default_rng(seed)
     time = np.arange(0, duration, 1 / rate)
     pose, twist, acceleration = _smooth(rng, time, (0.6, 0.6, 0.9))
     pose[:, 2] += rng.uniform(-3, 3)
-    force = MASS * acceleration[:, :2] + 2.0 * twist[:, :2]
+    force = MASS * acceleration[:, :2] + 2.0 * twist[:, :2] + stiffness * pose[:, :2]
     c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     force = np.stack([c * force[:, 0] + s * force[:, 1], c * force[:, 1] - s * force[:, 0]], -1)
     torque = INERTIA * acceleration[:, 2] + 0.3 * twist[:, 2]

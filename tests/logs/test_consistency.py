@@ -1,6 +1,7 @@
 """What is declared wrongly of a recording is told by its motion, and what is right is let pass."""
 
 import json
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -13,6 +14,9 @@ from tests.logs import cases, motions
 
 RIGHT = {"grips": motions.BEAM, "twist_frame": "world"}
 TWIST = ("vx", "vy", "omega")
+ENVIRONMENTS = (
+    "beam_transport_v0", "beam_doorway_v0", "beam_tracking_v0", "walker_turn_v0", "walker_avoid_v0",
+)  # fmt: skip
 
 
 def seen(columns, tmp_path, **layout) -> Consistency:
@@ -178,6 +182,51 @@ def test_degrees_of_theta_and_omega_alike_are_named(seed, tmp_path):
     world = scaled(forces_in_world(columns), 180 / np.pi, "theta", "omega")
     said = only_warning(world, tmp_path, grips=motions.BEAM, frame="world")
     assert said.endswith("if theta is in deg; say --angle deg --angular-velocity deg/s")
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_degrees_of_theta_and_omega_alike_are_named_without_a_position(seed, tmp_path):
+    columns = motions.planar(seed)
+    degrees = scaled(without(columns, "x", "y"), 180 / np.pi, "theta", "omega")
+    said = only_warning(degrees, tmp_path, **RIGHT)
+    assert said.endswith("if theta is in deg; say --angle deg --angular-velocity deg/s")
+    declared = {"angle": "deg", "angular_velocity": "deg/s"}
+    assert seen(degrees, tmp_path, **RIGHT, **declared).warnings == ()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_twist_that_contradicts_the_pose_is_told(seed, tmp_path):
+    columns = motions.planar(seed)
+    against = "the position moves against the velocity: turn the sign of one of them"
+    otherwise = "the position moves otherwise than the velocity says: one of them has the wrong"
+    turned_round = "the orientation turns against the angular velocity: turn the sign of one"
+    for twist_frame in ("world", "object"):  # a wrong frame hides no wrong sign
+        layout = {"grips": motions.BEAM, "twist_frame": twist_frame}
+        said = seen(scaled(columns, -1.0, *TWIST), tmp_path, **layout).warnings
+        assert against in said[0]
+        assert turned_round in said[1]
+    assert against in only_warning(scaled(columns, -1.0, "vx", "vy"), tmp_path, **RIGHT)
+    assert turned_round in only_warning(scaled(columns, -1.0, "omega"), tmp_path, **RIGHT)
+    assert otherwise in only_warning(scaled(columns, -1.0, "vx"), tmp_path, **RIGHT)
+    exchanged = columns | {"x": columns["y"], "y": columns["x"]}
+    assert otherwise in only_warning(exchanged, tmp_path, **RIGHT)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("stiffness", [20.0, 100.0, 500.0])
+def test_a_spring_that_pushes_too_is_no_wrong_declaration(stiffness, seed, tmp_path):
+    columns = motions.planar(seed, stiffness=stiffness)
+    assert seen(columns, tmp_path, **RIGHT).warnings == ()
+    wrong = scaled(columns, -1.0, "f2", "t2")
+    assert "a spring or a cable" in only_warning(wrong, tmp_path, **RIGHT)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_right_trials_of_every_environment_are_not_warned_of(seed, tmp_path):
+    for name in ENVIRONMENTS:
+        environment = import_module(f"coopenv.{name}")
+        columns, grips = motions.carried(seed, steps=300, **environment.DEFAULTS)
+        assert seen(columns, tmp_path, grips=grips, twist_frame="world").warnings == ()
 
 
 @pytest.mark.parametrize("seed", range(4))

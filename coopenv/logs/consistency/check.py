@@ -16,7 +16,9 @@ from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
 from coopenv.logs.consistency.mistakes import (
     BAD,
     GOOD,
+    MOVES,
     OTHER,
+    TURNS,
     Fit,
     nothing_explains,
     wrench_mistakes,
@@ -78,7 +80,7 @@ class Check:
             )
         fit = _fit(self._laws, self._layout)
         found = tuple(self._warnings(fit))
-        return Consistency(fit, found or tuple(nothing_explains(self._laws, fit)))
+        return Consistency(fit, found or tuple(nothing_explains(self._laws, fit, self._layout)))
 
     def _warnings(self, fit: Fit) -> Iterator[str]:
         """The likeliest mistakes; kinematics first, as it tells what else to believe."""
@@ -92,6 +94,8 @@ class Check:
         if twist:
             yield f"the twist goes with the pose in the {twist} frame: say --twist-frame {twist}"
         yield from self._speed()
+        if not twist:
+            yield from self._contradictions()
         candidates = [laws]
         doubted = not laws.enough("spin") or min(fit[:2]) < 1 - BAD  # theta and omega both wrong
         if doubted and not wrong and self._other_angle is not None:
@@ -131,6 +135,29 @@ class Check:
                 f"the position moves {ratio:.3g} times as fast as the velocity says: look at the "
                 "units, --length, --velocity and --time"
             )
+
+    def _contradictions(self) -> Iterator[str]:
+        """Whether pose and twist tell of motions that are not the same in any frame or unit."""
+        both = [laws for laws in (self._laws, self._other_angle) if laws is not None]
+        turns = ("orientation turns", "angular velocity", "theta=-theta or omega=-omega")
+        for law, least, words in (
+            ("shift", MOVES, ("position moves", "velocity", "x=-x … or vx=-vx …")),
+            ("spin", TURNS, turns),
+        ):
+            told = [laws.shift if law == "shift" else laws.spin for laws in both]
+            if self._laws.slower(law) > least and min(tell()[0] for tell in told) > BAD:
+                yield _contradiction(*words, against=min(tell(-1.0)[0] for tell in told) < GOOD)
+
+
+def _contradiction(pose: str, twist: str, columns: str, *, against: bool) -> str:
+    """A warning that one of the two is wrong; ``columns`` are those whose sign may be."""
+    turn = f"(--map {columns})"
+    if against:
+        return f"the {pose} against the {twist}: turn the sign of one of them {turn}"
+    return (
+        f"the {pose} otherwise than the {twist} says: one of them has the wrong sign of an axis "
+        f"{turn}, axes exchanged, another frame, or other times"
+    )
 
 
 def _least_left(laws: Laws) -> float:

@@ -5,6 +5,7 @@ from coopenv.logs.consistency.signals import FRAMES, Signals
 from coopenv.logs.layout import Layout
 from coopenv.logs.recording import Recording
 
+AGREES = 0.2  # unexplained share up to which pose and twist tell the same
 LEAST_WINDOWS = 12  # fewer are no evidence
 
 
@@ -44,9 +45,11 @@ class Laws:
         known = self._named("force", "momentum ")
         return sorted(known, key=lambda name: name not in ("pose", twist))
 
-    def force(self, frame: str, velocity: str, sign: float) -> float:
-        """Σ f = m dv/dt + friction · v + constant."""
+    def force(self, frame: str, velocity: str, sign: float, *, spring: bool = False) -> float:
+        """Σ f = m dv/dt + friction · v + constant, and + stiffness · x if there is a ``spring``."""
         causes = [f"momentum {velocity}", f"way {velocity}"]
+        if spring:
+            causes += self._named("force", "place", whole=True)
         return self._moments["force"].fit({frame: sign}, causes)[0]
 
     def torque(
@@ -64,10 +67,15 @@ class Laws:
         weight = self._named("power", "weight", whole=True)
         return self._moments["power"].fit({"work": sign}, causes, weight)[0]
 
-    def spin(self) -> tuple[float, float]:
+    def spin(self, sign: float = 1.0) -> tuple[float, float]:
         """Angular velocity of the pose by that of the twist: unexplained share, and their ratio."""
-        left, ratio = self._moments["spin"].fit({"pose": 1.0}, ["twist"])
+        left, ratio = self._moments["spin"].fit({"pose": sign}, ["twist"])
         return left, float(ratio[0])
+
+    def theta_goes_with_omega(self) -> bool:
+        """Whether both tell the same in the unit of this angle, that of omega being alike."""
+        left, ratio = self.spin()
+        return self.enough("spin") and left < AGREES and 0.7 < ratio / self.angle < 1.4
 
     def twist_is_in_the_other_frame(self) -> bool:
         """Whether the velocity of the pose is that of the twist in the frame not declared."""
@@ -77,13 +85,19 @@ class Laws:
         left = {frame: self._moments["shift"].fit({"pose": 1.0}, [frame])[0] for frame in FRAMES}
         return left[said] > 0.05 and min(left.values()) < 0.1 * left[said]
 
-    def shift(self) -> tuple[float, float]:
+    def shift(self, sign: float = 1.0) -> tuple[float, float]:
         """Velocity of the pose by that of the twist, as ``spin``; in the frame that suits it."""
         if not self.enough("shift"):
             return 1.0, 1.0
-        fits = (self._moments["shift"].fit({"pose": 1.0}, [frame]) for frame in FRAMES)
+        fits = (self._moments["shift"].fit({"pose": sign}, [frame]) for frame in FRAMES)
         left, ratio = min(fits, key=lambda fit: fit[0])
         return left, float(ratio[0])
+
+    def slower(self, law: str) -> float:
+        """The slower of what pose and twist tell, of the law shift [m/s] or spin [rad/s]."""
+        moments = self._moments[law]
+        told = ("pose", "twist" if law == "spin" else FRAMES[0])
+        return min(moments.size(name) for name in told) if self.enough(law) else 0.0
 
     def speeding(self) -> float:
         """Usual change of velocity from window to window [m/s]; 0 where it is not known."""

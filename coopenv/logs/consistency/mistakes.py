@@ -18,7 +18,8 @@ GOOD = 0.2  # and up to which another one may take its place,
 BETTER = 0.25  # if it leaves at most this part of what the first leaves
 CLEAR = 0.1  # both, where recordings are clear
 LITTLE = 0.1  # explained share of force that next to nothing explains
-MOVES = 0.03  # [m/s] change of velocity from window to window, far above that of noise at rest
+MOVES = 0.03  # [m/s] (change of) velocity from window to window, far above that of noise at rest
+TURNS = 0.1  # [rad/s] alike
 OTHER = {"object": "world", "world": "object"}
 
 
@@ -122,7 +123,9 @@ def _torque_mistakes(
         tried.append((laws.torque(frame, force=sign, torque=sign * factor), text))
     text = "if torques have the other sign; turn it, --map t1z=-t1z …"
     tried.append((laws.torque(frame, force=sign, torque=-sign), text))
-    for other in others if decided else []:
+    for other in others:
+        if not decided and not other.theta_goes_with_omega():
+            continue  # no more than a chance that it is this one
         unit, options = _angle_said(other, layout)
         text = f"if theta is in {unit}; say {options}"
         tried.append((other.torque(frame, force=sign, torque=sign), text))
@@ -137,12 +140,16 @@ def _torque_mistakes(
         yield f"the resultant torque goes with the angular acceleration {text}"
 
 
-def nothing_explains(laws: Laws, fit: Fit) -> Iterator[str]:
+def nothing_explains(laws: Laws, fit: Fit, layout: Layout) -> Iterator[str]:
     """Where force and power both go with nothing, though the object moves.
 
     Walls and wheels do no work that is not recorded, so that the power is still explained there.
+    Springs and cables, which push the more the further the object is from some place, are tried.
     """
     if laws.speeding() < MOVES or not (fit.force < LITTLE and fit.power < 1 - BAD):
+        return
+    velocity = laws.velocities(str(layout.twist_frame))[0]
+    if laws.force(layout.frame, velocity, 1.0, spring=True) < GOOD:
         return
     if laws.power(-1.0) < CLEAR:
         yield _AGAINST
@@ -151,8 +158,8 @@ def nothing_explains(laws: Laws, fit: Fit) -> Iterator[str]:
             f"the motion explains {100 * fit.force:.0f} % of the resultant force and "
             f"{100 * fit.power:.0f} % of the power, and no other frame, unit or sign that was "
             "tried explains them; look first at the sign of each axis and of each sensor (--map "
-            "f1y=-f1y …), at units, at which sensor is which effector, and whether forces and "
-            "motion have the same times"
+            "f1y=-f1y …), at units, at which sensor is which effector, whether forces and motion "
+            "have the same times, and whether something else pushes, such as a spring or a cable"
         )
 
 

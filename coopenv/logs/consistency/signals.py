@@ -81,6 +81,8 @@ class Signals:
         for name, velocity in velocities.items():
             made[f"momentum {name}"] = self._change(velocity)
             made[f"way {name}"] = self._impulse(velocity)
+        if self._segment.position is not None:
+            made["place"] = self._impulse(mean_of_neighbours(self._segment.position))
         return made
 
     def _torque(self) -> dict[str, FloatArray]:
