@@ -104,6 +104,7 @@ class Decompose:
             raise MissingExtra("the command line", "analysis") from error
 
         from coopenv.logs.layout import Layout, parse_mapping
+        from coopenv.logs.limits import legible
         from coopenv.logs.run import decompose_file
         from coopenv.wrench import Settings
 
@@ -135,7 +136,7 @@ class Decompose:
             )
         summary.print(console)
         files = (summary.table, summary.picture, summary.written)
-        names = ", ".join(str(each) for each in files if each is not None)
+        names = ", ".join(legible(each) for each in files if each is not None)
         console.print(f"wrote {names}", markup=False, highlight=False, soft_wrap=True)
 
 

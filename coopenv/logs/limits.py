@@ -1,5 +1,6 @@
-"""Limits on what one recording may cost: sizes that are checked before anything is made of them."""
+"""Limits on what one recording may cost, checked beforehand; and short forms of what it says."""
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -67,3 +68,8 @@ def shown(text: object, most: int = SHOWN) -> str:
     """What a message repeats of a text: on one line, and not all of it where it is long."""
     line = " ".join(str(text)[: 4 * most].split())
     return line if len(line) <= most else f"{line[:most]}…"
+
+
+def legible(path: str | os.PathLike) -> str:
+    """Name of a file as text that can be printed and written, whatever bytes it is."""
+    return os.fsencode(path).decode("utf-8", "backslashreplace")

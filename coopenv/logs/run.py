@@ -13,6 +13,7 @@ from coopenv.logs.figure import Picture
 from coopenv.logs.formats import find_format, open_sink
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import legible
 from coopenv.logs.recording import Reader, naming
 from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
@@ -62,7 +63,7 @@ def decompose_file(
     path, table = _places(Path(path), None if out is None else Path(out))
     settings = settings if settings is not None else Settings()
     reader = Reader(path, layout, bad_rows=bad_rows)
-    drawing = Picture(f"{path.name}, {settings.method}") if picture else None
+    drawing = Picture(f"{legible(path.name)}, {settings.method}") if picture else None
     beside = table.with_suffix(".png")
     image = beside if picture else None
     said = table.with_suffix(".summary.json")
@@ -74,7 +75,8 @@ def decompose_file(
         try:
             with writing(table):
                 collector, check = _fill(sink, reader, settings, drawing, report)
-                sink.close()
+                with naming(reader.path):
+                    sink.close()
         except BaseException:
             with suppress(OSError, ValueError):  # what went wrong first is what is told
                 sink.abandon()

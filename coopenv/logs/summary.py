@@ -11,6 +11,7 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.analysis import Analysis, Worst
 from coopenv.logs.consistency import Consistency
+from coopenv.logs.limits import legible
 from coopenv.logs.recording import Recording
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ class Summary:
         if self.left_out:
             lines.append(f"left out, as no columns or not used: {', '.join(self.left_out)}")
         if self.old_picture is not None:
-            lines.append(f"{self.old_picture} was there before and shows another table")
+            lines.append(f"{legible(self.old_picture)} was there before and shows another table")
         lines += [f"assumed {line}" for line in self.assumed]
         lines += [self._motion(), *(f"warning: {each}" for each in self.consistency.warnings)]
         worst = self.worst
@@ -138,7 +139,7 @@ def _plain(value: Any) -> Any:
         return [_plain(each) for each in value]
     if isinstance(value, float) and not np.isfinite(value):
         return None
-    return str(value) if isinstance(value, Path) else value
+    return legible(value) if isinstance(value, Path) else value
 
 
 class Collector:
@@ -188,7 +189,7 @@ class Collector:
             written=written,
             rows=self._rows,
             bad_rows=bad_rows,
-            first_bad=first_bad,
+            first_bad=legible(first_bad),
             trials=self._trial + 1,
             duration=self._duration if self._timed else None,
             method=method,

@@ -209,6 +209,20 @@ def test_costly_files_are_refused_in_no_time_and_little_memory(tmp_path):
     assert seconds < 5
 
 
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+def test_a_long_text_among_many_is_no_array_of_long_texts(suffix, tmp_path):
+    lines = ["f1x,f1y,t1z,f2x,f2y,t2z,note", "1,2,3,4,5,6," + "n" * 1_000_000]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(lines + ["1,2,3,4,5,6,a"] * 1000))
+    out, layout = tmp_path / f"b{suffix}", Layout(**BEAM)
+    if suffix != ".npz":
+        assert decompose_file(path, out, layout=layout, picture=False).rows == 1001
+        return
+    with pytest.raises(InvalidInput, match=r"a\.csv: column 'note' must need at most .* write CSV"):
+        decompose_file(path, out, layout=layout, picture=False)
+    assert sorted(tmp_path.iterdir()) == [path]
+
+
 def test_nothing_is_ever_unpickled(tmp_path):
     trap = tmp_path / "sprung"
 

@@ -1,5 +1,6 @@
 """Whatever is wrong with a file, a folder, the disk or a number, one sentence says it."""
 
+import os
 import subprocess
 import sys
 import zipfile
@@ -258,6 +259,19 @@ def test_a_column_called_like_a_measure_is_no_measure(tmp_path):
 def test_a_name_of_a_file_is_no_formula_in_the_picture(tmp_path):
     path = cases.save(cases.planar(), tmp_path / "a $\\frac$.csv")
     assert decompose_file(path, layout=BEAM).picture == path.with_suffix(".decomposed.png")
+
+
+def test_a_name_that_is_no_text_is_written_and_printed(tmp_path, capfd):
+    path = tmp_path / os.fsdecode(b"\xff.csv")
+    try:
+        cases.save(cases.planar() | {"f1x": np.full(40, np.nan)}, path)
+    except OSError:
+        pytest.skip("this file system takes no such names")
+    given = ("--grips", *map(str, cases.BEAM), "--bad-rows", "skip")
+    assert cli.main(["decompose", str(path), *given]) == 0
+    printed = capfd.readouterr().out
+    assert "\\xff.decomposed.csv" in printed
+    assert "\\xff.csv, line 2" in " ".join(printed.split())
 
 
 def test_what_no_unit_can_hold_is_a_bad_row_without_a_warning(tmp_path):

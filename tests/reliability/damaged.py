@@ -33,6 +33,7 @@ DECLARED: tuple[dict[str, Any], ...] = (
     {"frame": "world", "grip_frame": "world"},
     {"angle": "deg", "angular_velocity": "rpm"},
     {"space": "plane"},
+    {"decimal": ","},
 )
 LONGEST = 6000  # [characters] of an answer
 

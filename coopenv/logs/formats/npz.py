@@ -32,6 +32,7 @@ from coopenv.logs.limits import Limits, shown
 
 BLOCKS = ("force", "torque", "grips", "pose", "twist")
 CARRIED = "biufUSmM"  # kinds of arrays that can be written to every table
+MOST_TEXT = 1 << 30  # [bytes] of a column in an archive
 POSE = {3: (*POSITION[2], *ORIENTATION[2]), 7: (*POSITION[3], *ORIENTATION[3])}
 
 
@@ -222,7 +223,7 @@ class NpzSink(Sink):
                 file.close()
             for name, parts in self._others.items():
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
-                    values = _plain(np.concatenate(parts))
+                    values = _plain(np.concatenate(parts), name)
                     np.lib.format.write_array(entry, values, allow_pickle=False)
 
     def abandon(self) -> None:
@@ -246,8 +247,15 @@ def _block_columns(name: str, shape: tuple[int, ...]) -> dict[str, tuple[int, ..
     return {each: (i, j) for i, group in enumerate(groups) for j, each in enumerate(group)}
 
 
-def _plain(values: Column) -> Column:
-    """Text as an array that needs no pickle."""
+def _plain(values: Column, name: str) -> Column:
+    """Text as an array that needs no pickle, in which every one has the room of the longest."""
     if values.dtype != object:
         return values
-    return np.array(["" if value is None else str(value) for value in values])
+    texts = ["" if value is None else str(value) for value in values]
+    size = 4 * len(texts) * max(map(len, texts), default=0)
+    if size > MOST_TEXT:
+        raise InvalidInput(
+            f"column {name!r} must need at most {MOST_TEXT:,} bytes where each text has the room "
+            f"of the longest, got {size:,}; write CSV or Parquet, or leave it out"
+        )
+    return np.array(texts)
