@@ -4,9 +4,11 @@ import pickle
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from coopenv import wrench
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.errors import InvalidInput, SolverError, UnknownName
 from coopenv.wrench.answer import Answer
 
 BEAM = np.array([[-0.9, 0.0], [0.9, 0.0]])
@@ -184,6 +186,52 @@ def test_no_bound_is_more_than_the_cost_however_ill_the_grips():
         solver="structured",
     )
     assert 0.0 < d.gap <= d.cost
+
+
+@given(
+    team=st.integers(1, 4),
+    dimension=st.sampled_from([2, 3]),
+    seed=st.integers(0, 10**6),
+    exponents=st.tuples(*[st.floats(-16.0, 6.0)] * 4),
+    degenerate=st.sampled_from(["generic", "integer", "opposite", "no torque", "nearly parallel"]),
+    solver=st.sampled_from(["auto", "structured", "conic"]),
+    include_induced=st.booleans(),
+)
+@settings(max_examples=60, deadline=None)
+def test_no_bound_is_negative_or_more_than_the_cost_whatever_grips_and_wrenches(
+    team, dimension, seed, exponents, degenerate, solver, include_induced
+):
+    rng = np.random.default_rng(seed)
+    apart, lever, torque, _ = 10.0 ** np.array(exponents)
+    grips = lever * (rng.normal(size=dimension) + apart * rng.normal(size=(team, dimension)))
+    applied = rng.normal(size=(team, 3 * dimension - 3))
+    if degenerate == "integer":
+        applied = rng.integers(-3, 4, size=applied.shape).astype(float)
+    if degenerate == "opposite":
+        applied[1:, :dimension] = -applied[0, :dimension]
+    if degenerate == "nearly parallel":
+        applied[1:, :dimension] = applied[0, :dimension] * (1.0 + 10.0 ** exponents[3])
+    applied[:, dimension:] *= 0.0 if degenerate == "no torque" else torque
+    try:
+        d = wrench.decompose(applied, grips, solver=solver, include_induced=include_induced)
+    except SolverError:
+        assert solver == "conic"
+        return
+    assert 0.0 <= d.gap <= d.cost
+
+
+@given(seed=st.integers(0, 10**6), team=st.integers(2, 4), dimension=st.sampled_from([2, 3]))
+@settings(max_examples=15, deadline=None)
+def test_the_largest_internal_force_and_its_bound_are_no_more_than_the_forces(
+    seed, team, dimension
+):
+    rng = np.random.default_rng(seed)
+    applied = np.zeros((team, 3 * dimension - 3))
+    applied[:, :dimension] = rng.normal(size=(team, dimension))
+    d = wrench.decompose(applied, rng.normal(size=(team, dimension)), method="max_internal")
+    largest = np.linalg.norm(d.internal[:, :dimension]) + d.gap
+    assert d.gap >= 0.0
+    assert largest <= np.linalg.norm(applied) * (1.0 + 1e-9)
 
 
 def test_the_bound_of_the_largest_internal_force_is_none_of_the_cost():

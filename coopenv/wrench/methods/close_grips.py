@@ -76,15 +76,16 @@ def _solve(
 
 
 def _missed(applied: FloatArray, manipulation: FloatArray, grips: FloatArray) -> FloatArray:
-    """By how much an answer breaks its constraints, as torque ``(...)``; no less than rounding."""
-    dimension = grips.shape[-1]
+    """By how much an answer breaks its constraints in all, as torque ``(...)`` [N·m].
+
+    It is no less than rounding. Every effector is taken to leave its balls as far as the worst.
+    """
+    num_effectors, dimension = grips.shape[-2:]
     longest = _norm(grips).max(axis=-1)
     sums = np.abs(sum_at_centre(applied - manipulation, grips))
-    balance = np.maximum(
-        longest * sums[..., :dimension].max(axis=-1), sums[..., dimension:].max(axis=-1)
-    )
+    balance = longest * sums[..., :dimension].sum(axis=-1) + sums[..., dimension:].sum(axis=-1)
     _, force, induced, torque = residuals_of(applied, manipulation, grips)
-    missed = np.maximum(np.maximum(balance, longest * force), np.maximum(induced, torque))
+    missed = balance + num_effectors * (longest * force + induced + torque)
     push = _norm(applied[..., :dimension]).max(axis=-1)
     turn = _norm(applied[..., dimension:]).max(axis=-1)
     return np.maximum(missed, ROUNDING * np.maximum(longest * push, turn))
