@@ -202,16 +202,17 @@ class Decomposition:
     def gap(self) -> FloatArray:
         """Bound ``(...)`` on how far the cost is from the optimum [N]; 0 for closed forms.
 
-        Of two planar effectors off an axis, the width to which the optimum is bracketed times the
-        steepest slope of the cost. Otherwise from the dual program, whatever the solver believes.
-        There ``"structured"`` and ``"conic"`` add an estimate of how far rounding may bring the
-        cost below the optimum. Answers of ``"conic"`` balance and fit their balls to rounding of
-        the internal wrench, not of the applied. `docs/decomposition.md` says how large gaps are.
+        For ``method="optimal"`` the least cost J* of eqs. 17-21 lies within ``cost`` ± ``gap``, and
+        ``gap`` is at most ``cost``. Bounded is the cost, not the wrench, which need not be unique.
+        J* is that of the grips as they count: on a line through the centre of mass within 1e-12 of
+        the longest lever, and at one place within 1e-15 of it.
 
-        No optimum is below 0, so the bound is at most the cost. It holds for the grips as they
-        count: on a line through the centre of mass within 1e-12 of the longest lever, and at one
-        place within 1e-15 of it. To ``"structured"`` and ``"conic"``, two planar grips closer than
-        1e-9 m may be one place as well, where the cost is lower than beside each other.
+        That the cost is no further above J* is proved: of two planar effectors off an axis by the
+        bracket of the optimum, otherwise by the dual program, whatever the solver believes. That it
+        is no further below, as constraints are met to rounding only, is for ``"structured"`` and
+        ``"conic"`` an estimate: residuals times multipliers. Where two grips, or their line and the
+        centre of mass, nearly coincide, that is the multiplier of the tiny lever in between.
+        `docs/decomposition.md` says how large gaps are and how often estimates failed.
 
         For ``method="max_internal"``, by how much √Σ‖f_I,i‖² may fall short of the largest [N].
         """
@@ -222,7 +223,11 @@ class Decomposition:
 
     @_once
     def fell_back(self) -> BoolArray:
-        """Where ``(...)`` ``"structured"`` could not certify its answer and took ``"conic"``'s."""
+        """Where ``(...)`` ``"structured"`` took the answer of another solver.
+
+        That is ``"pair"`` for two planar effectors whose grips nearly coincide, and ``"conic"``
+        where its own answer could not be certified.
+        """
         fell_back = self._answer.fell_back
         shape = self.applied.shape[:-2]
         return np.zeros(shape, dtype=np.bool_) if fell_back is None else fell_back
