@@ -146,3 +146,33 @@ def test_a_control_step_is_its_substeps_one_by_one_to_the_bit_also_in_contact(bo
             np.testing.assert_array_equal(whole.twist, parts.twist)
             touched += np.count_nonzero(whole.contact_impulse)
     assert touched > 40
+
+
+def test_what_wheels_hold_does_not_give_way_at_all():
+    # All of the change is across the heading and none of it turns: nothing is left to give way.
+    assert contacts.yielded(MASS, INERTIA, 0.0, 0.3, -0.4, 0.0) == (0.0, 0.0, 1.0)
+    assert contacts.yielded(MASS, INERTIA, 0.0, 0.0, 0.0, 0.0) == (0.0, 0.0, 1.0)
+    # Of ‖Δ‖² = 0.25 a millionth may be along; a little more gives way, by what stops the contact.
+    held, free = np.sqrt(0.9e-6 * 0.25), np.sqrt(4e-6 * 0.25)
+    assert contacts.yielded(MASS, INERTIA, held, 0.3, -0.4, 0.0) == (0.0, 0.0, 1.0)
+    along, spin, factor = contacts.yielded(MASS, INERTIA, free, 0.3, -0.4, 0.0)
+    assert (along, spin, factor) == pytest.approx((250_000 * free, 0.0, 250_000))
+
+
+def test_what_gives_way_by_hand():
+    # Free: 2 (0.09 + 0.16) + 4 · 0.25 = 1.5; on wheels 2 · 0.04 + 1 = 1.08.
+    along, spin, factor = contacts.yielded(2.0, 4.0, -0.2, 0.3, 0.4, 0.5)
+    assert factor == pytest.approx(1.5 / 1.08)
+    assert (along, spin) == pytest.approx((-0.2 * factor, 0.5 * factor))
+    # ⟨v, Δ⟩ = 2 (0.3 − 2) − 4 · 0.5 = −5.4; half of ⟨Δ, Δ⟩ = 2 (0.25 + 4) + 4 = 12.5 is more.
+    before = (0.6, 1.0, 0.5)
+    assert contacts.spent(2.0, 4.0, before, (0.5, -2.0, -1.0)) == pytest.approx(5.4 / 12.5)
+    # 2 (0.3 − 2) = −3.4; half of 2 (0.25 + 4) + 4 · 0.01 is more: spins count with the inertia.
+    assert contacts.spent(2.0, 4.0, (0.6, 1.0, 0.0), (0.5, -2.0, 0.1)) == pytest.approx(3.4 / 8.54)
+
+
+def test_held_wheels_let_a_push_at_their_side_pass_into_the_wall():
+    expected = [0.5, 0.0, 0.0, 1.0, 2.0, 0.0]  # rolls along x
+    twist, impulse = collected(expected, [1.0, 2.0, 0.0, 0.5, -0.3, 0.0], wheels=True)
+    np.testing.assert_allclose(twist, [0.5, 0.0, 0.0], rtol=0, atol=1e-12)
+    assert impulse == pytest.approx(MASS * 0.3)

@@ -104,3 +104,60 @@ def test_columns_of_different_lengths_are_refused(tmp_path):
     np.savez(tmp_path / "odd.npz", time=[0, 1], x=[0, 1], y=[0, 1], theta=[0, 1, 2])
     with pytest.raises(InvalidInput, match="columns of one length"):
         Reference.load(tmp_path / "odd.npz")
+
+
+def test_a_table_rests_in_every_number_at_its_ends_and_beyond_them():
+    motion = LOOP.motion(np.array([-1.0, 0.0, 6.0, 9.0]))
+    rest = [(*LOOP.poses[0], *[0.0] * 6)] * 2 + [(*LOOP.poses[-1], *[0.0] * 6)] * 2
+    np.testing.assert_array_equal(motion, rest)
+    just = LOOP.motion(np.array([1e-9, 6.0 - 1e-9]))
+    np.testing.assert_allclose(just[:, :3], [LOOP.poses[0], LOOP.poses[-1]], atol=1e-6)
+    np.testing.assert_allclose(just[:, 3:6], 0.0, atol=1e-6)
+
+
+def test_between_uneven_rows_it_is_the_cubic_through_velocities_of_finite_differences():
+    table = Reference(times=(1.0, 2.0, 5.0), poses=((0, 0, 0), (1, -2, 0.3), (7, 4, 0.9)))
+    assert table.times == (0.0, 1.0, 4.0)  # they count from the first
+    assert table.duration == 4.0
+    # Slopes 1 and 2 m/s over 1 and 3 s: the middle row moves at (3 · 1 + 1 · 2) / 4 m/s.
+    rates = np.array([1.25, (3 * -2 + 1 * 2) / 4, (3 * 0.3 + 1 * 0.2) / 4])
+    np.testing.assert_allclose(table.motion(np.array([1.0]))[0, 3:6], rates)
+    # Half-way: mean of the ends and an eighth of the time times the difference of their speeds
+    first, second = table.motion(np.array([0.5, 2.5]))
+    np.testing.assert_allclose(first[:3], np.array([0.5, -1, 0.15]) - 1 / 8 * rates)
+    np.testing.assert_allclose(second[:3], np.array([4, 1, 0.6]) + 3 / 8 * rates)
+    np.testing.assert_allclose(first[3:6], 1.5 * np.array([1, -2, 0.3]) - rates / 4)
+    np.testing.assert_allclose(second[6:], -rates / 3)  # the difference of the speeds by the time
+    np.testing.assert_allclose(first[6:], rates)
+
+
+def test_two_rows_are_a_table():
+    line = Reference(times=(0.0, 2.0), poses=((0, 0, 0), (4, -2, 1)))
+    np.testing.assert_allclose(
+        line.motion(np.array([1.0]))[0], [2, -1, 0.5, 3, -1.5, 0.75, 0, 0, 0]
+    )
+
+
+def test_minimum_jerk_by_hand():
+    np.testing.assert_allclose(minimum_jerk(0.5), (0.5, 1.875, 0.0))
+    np.testing.assert_allclose(minimum_jerk(0.25), (53 / 512, 30 * 9 / 256, 60 * 3 / 32))
+    # The second of two segments of 2 s, a quarter of it gone
+    motion = segments(np.array([2.5]))[0]
+    way = np.array([0.0, -2.0, 4.0])
+    np.testing.assert_allclose(motion[:3], np.array([1, 2, -1]) + 53 / 512 * way)
+    np.testing.assert_allclose(motion[3:6], 30 * 9 / 256 / 2 * way)
+    np.testing.assert_allclose(motion[6:], 60 * 3 / 32 / 4 * way)
+
+
+@pytest.mark.parametrize("time", [-1.0, 0.0, 4.0, 5.0])
+def test_before_its_begin_and_after_its_end_minimum_jerk_rests(time):
+    motion = segments(np.array([time]))[0]
+    np.testing.assert_allclose(motion[:3], PLAN[0, :3] if time <= 0 else PLAN[0, 6:], atol=1e-12)
+    np.testing.assert_allclose(motion[3:], 0.0, atol=1e-12)
+
+
+def test_a_bad_line_after_a_blank_one_has_the_number_of_its_line(tmp_path):
+    path = tmp_path / "late.csv"
+    path.write_text("time,x,y,theta\n0,0,0,0\n\n1,0,0,0\n2,0,?,0\n")
+    with pytest.raises(InvalidInput, match="in line 5 of"):
+        Reference.load(path)
