@@ -230,3 +230,71 @@ def test_grips_of_an_archive_are_complained_of_with_its_name(tmp_path):
         path = cases.save(cases.planar(5) | {"grips": grips}, tmp_path / "a.npz")
         with pytest.raises(InvalidInput, match=says):
             read(path)
+
+
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+def test_a_row_has_its_number_however_many_pieces_were_read_before_it(
+    suffix, tmp_path, monkeypatch
+):
+    cases.set_chunk(4, monkeypatch)
+    columns = cases.planar(30)
+    columns["f2y"][21] = columns["f1x"][25] = np.nan
+    path = cases.save(columns, tmp_path / f"a{suffix}")
+    place = "line 23" if suffix == ".csv" else "row 22"
+    assert f"{path}, {place}, column 'f2y' must be a finite number" in complaint(path)
+    passed_over = read(path, BEAM, bad_rows="skip")
+    assert np.flatnonzero(~passed_over.good).tolist() == [21, 25]
+
+
+def test_lines_are_counted_through_blocks_with_blank_and_ragged_ones(tmp_path, monkeypatch):
+    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 70)  # about three lines
+    lines = [text for row in rows(20) for text in (row, "", "\r")]
+    lines[45] = "0.15,1,2,3,4,5,6"  # the 16th row
+    path = tmp_path / "a.csv"
+    path.write_bytes("\n".join([HEADER, *lines, "0.5,1,2,x,4,5,6,ok"]).encode())
+    assert f"{path}, line 47 must have 8 fields like the header, got 7 fields" in complaint(path)
+    passed_over = read(path, BEAM, bad_rows="skip")
+    assert np.flatnonzero(~passed_over.good).tolist() == [15, 20]
+    lines[45] = rows(20)[15]
+    path.write_bytes("\n".join([HEADER, *lines, "0.5,1,2,x,4,5,6,ok"]).encode())
+    assert "line 62, column 't1z' must be a finite number, got 'x'" in complaint(path)
+
+
+def test_time_and_trials_go_on_from_one_piece_to_the_next(tmp_path, monkeypatch):
+    monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 70)
+    path = tmp_path / "a.csv"
+    lines = rows(20)
+    lines[12] = lines[11]
+    path.write_text("\n".join([HEADER, *lines]))
+    assert "line 14, column 'time' must increase within a trial, got 0.11 after 0.11" in complaint(
+        path
+    )
+    lines[12] = lines[11].replace("ok", "new")
+    path.write_text(
+        "\n".join([HEADER, *lines[:13], *(row.replace("ok", "new") for row in lines[13:])])
+    )
+    layout = Layout(grips=cases.BEAM, trial_columns=("note",))
+    assert read(path, layout).trial.tolist() == [0] * 12 + [1] * 8
+
+
+@pytest.mark.parametrize(("number", "good"), [(1e50, True), (1.001e50, False)])
+def test_numbers_beyond_measure_are_bad_in_the_unit_of_the_file(number, good, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([HEADER, *rows(3), f"0.5,-{number},2,3,4,5,6,ok"]))
+    assert read(path, BEAM, bad_rows="skip").good.tolist() == [True, True, True, good]
+    assert read(path, Layout(grips=cases.BEAM, force="mN"), bad_rows="skip").good.all()
+    kilo = read(path, Layout(grips=cases.BEAM, force="kN"), bad_rows="skip")
+    assert kilo.good.tolist() == [True, True, True, False]
+    if not good:
+        said = "line 5, column 'f1x' must be at most 1e+50 in SI units, got '-1.001e+50'"
+        assert said in complaint(path)
+
+
+@pytest.mark.parametrize(("length", "good"), [(1.0099, True), (0.9901, True), (1.011, False)])
+def test_a_quaternion_may_be_off_by_a_hundredth(length, good, tmp_path):
+    columns = cases.spatial()
+    for name in ("qw", "qx", "qy", "qz"):
+        columns[name][3] *= length
+    path = cases.save(columns, tmp_path / "a.csv")
+    recording = read(path, Layout(frame="world"), bad_rows="skip")
+    assert recording.good.tolist() == [True] * 3 + [good] + [True] * 2
