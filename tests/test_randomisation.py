@@ -55,8 +55,8 @@ def test_what_has_no_range_stays_and_draws_nothing():
     obs, info = core.reset(seed=2)
     np.testing.assert_array_equal(obs, plain.reset(seed=2)[0])
     assert core.bodies == plain.bodies
-    assert "body" in info
-    assert "body" not in plain.reset(seed=2)[1]
+    assert "body/mass" in info
+    assert "body/mass" not in plain.reset(seed=2)[1]
 
 
 @given(SHARES, SHARES, SHARES)
@@ -216,3 +216,42 @@ def test_a_grip_at_the_centre_of_mass_stays_there():
     assert not core.team.grips[:, 1].any()
     np.testing.assert_array_equal(core.team.frame[:, 1], [[1.0, 0.0]] * 8)
     assert len(np.unique(core.team.grips[:, 0, 1])) == 8
+
+
+def test_every_number_of_a_variation_goes_where_it_belongs():
+    ranges = Ranges(
+        mass=(2, 4), angular_drag=(0, 8), friction=(0.2, 0.4), length=(1, 3),
+        grips=((-0.1, 0.1), (-0.02, 0.02)), force_limit=(10, 20), torque_limit=(1, 5),
+    )  # fmt: skip
+    grips = (0.5, 1.0, 0.0, 0.5, 1.0, 0.0)
+    varied = Variations(ranges, TRIO, LIMITS)
+    assert varied.count == 4 + 6 + 3 + 3
+    body, limits = varied([0.5, 0.25, 1.0, 0.75, *grips, 0.1, 0.2, 0.3, 0.25, 0.5, 1.0])
+    assert (body.mass, body.angular_drag, body.friction) == pytest.approx((3.0, 2.0, 0.4))
+    assert body.length == pytest.approx(2.5)  # of 2 m: everything along x is 1.25 times as long
+    wanted = [(-0.9 * 1.25, 0.02), (0.3 * 1.25 - 0.1, 0.05), (0.9 * 1.25 + 0.1, -0.05 - 0.02)]
+    np.testing.assert_allclose(body.grips, wanted)
+    np.testing.assert_allclose(limits, [(11, 2), (12, 3), (13, 5)])
+    assert (body.linear_drag, body.nonholonomic) == (TRIO.linear_drag, False)
+    one, own = Variations(Ranges(torque_limit=(1, 5)), TRIO, LIMITS * [1, 2])([0.0, 0.5, 1.0])
+    assert one.grips == TRIO.grips
+    np.testing.assert_allclose(own, [(10, 1), (10, 3), (10, 5)])
+
+
+def test_extremes_are_everything_at_its_lowest_and_at_its_highest():
+    low, high = Variations(Ranges(mass=(2, 4), length=(1, 3)), Body(), LIMITS[:2]).extremes()
+    assert (low.mass, low.length) == (2.0, 1.0)
+    assert (high.mass, high.length) == (4.0, 3.0)
+
+
+def test_limits_drawn_for_an_agent_are_what_its_action_of_one_stands_for():
+    ranges = Ranges(force_limit=(5, 15), torque_limit=(1, 3))
+    core = Transport(num_worlds=3, body=TRIO, randomise=ranges, scene=Scene(size=(20, 20)))
+    core.reset(seed=0)
+    core.step(np.ones((3, 3, 3)))
+    assert core.transition is not None
+    drawn, applied = parameters(core), core.transition.applied
+    np.testing.assert_allclose(
+        np.hypot(applied[..., 0], applied[..., 1]), np.sqrt(2) * drawn["force_limit"]
+    )
+    np.testing.assert_allclose(applied[..., 2], drawn["torque_limit"])
