@@ -182,16 +182,16 @@ def test_the_file_of_the_summary_holds_its_numbers(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", cases.FORMATS)
-@pytest.mark.parametrize("second", [10, 12, 14])
+@pytest.mark.parametrize("first", [9, 10, 11, 12])
 def test_the_first_bad_row_is_the_first_of_the_file_not_of_a_piece(
-    suffix, second, tmp_path, monkeypatch
+    suffix, first, tmp_path, monkeypatch
 ):
     pytest.importorskip("pyarrow")
     cases.set_chunk(5, monkeypatch)
     columns = cases.planar(20)
-    columns["f2y"][9] = columns["f1x"][second] = np.nan
+    columns["f2y"][first] = columns["f1x"][first + 1] = np.nan  # of two pieces, for some
     path = cases.save(columns, tmp_path / f"a{suffix}")
     made = decompose_file(path, layout=Layout(grips=cases.BEAM), bad_rows="skip", picture=False)
     assert made.bad_rows == 2
-    place = "line 11" if suffix == ".csv" else "row 10"
+    place = f"line {first + 2}" if suffix == ".csv" else f"row {first + 1}"
     assert f"{place}, column 'f2y' must be" in made.first_bad
