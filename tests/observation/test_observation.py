@@ -100,6 +100,18 @@ def test_every_block_is_what_it_says(team):
         np.testing.assert_allclose(got, values, rtol=1e-6, atol=1e-6, err_msg=name)
 
 
+def test_limits_of_each_agent_are_seen_its_own_first_and_then_the_others_in_turn():
+    limits = {"force_limit": (1.0, 2.0, 3.0), "torque_limit": (4.0, 5.0, 6.0)}
+    core, transition, obs = moved(TRIO, observe=("body", "own_wrench"), **limits)
+    seen = obs[..., core.observation.blocks["body"]]
+    np.testing.assert_allclose(seen, body_seen(core), rtol=1e-6, atol=1e-6)
+    assert seen[0, 1, 7:].tolist()[:2] == [2.0, 5.0]
+    assert seen[0, 1, [11, 12, 15, 16]].tolist() == [3.0, 6.0, 1.0, 4.0]
+    own = obs[..., core.observation.blocks["own_wrench"]]
+    wanted = transition.action * np.array([[1, 1, 4], [2, 2, 5], [3, 3, 6]])
+    np.testing.assert_allclose(own, wanted, rtol=1e-5)
+
+
 @pytest.mark.parametrize("team", TEAMS)
 def test_the_blocks_lie_side_by_side_without_a_gap(team):
     core, _, obs = moved(TEAMS[team], observe=ALL[::-1])

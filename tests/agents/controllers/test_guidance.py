@@ -11,7 +11,8 @@ ROOM = np.array([[-4.0, -3.0]]), np.array([[4.0, 3.0]])
 
 
 def led(pose, goal, *, room=ROOM, gains=GAINS):
-    return approach(np.array([pose], float), np.array([goal], float), BEAM, *room, gains)[0]
+    low, high = room
+    return approach(np.array([pose], float), np.array([goal], float), BEAM, low, high, gains)[0]
 
 
 def test_near_the_goal_the_twist_is_the_way_left_times_the_gain():
