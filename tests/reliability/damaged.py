@@ -80,6 +80,7 @@ def check(path: Path) -> None:
 
     A refusal is one `CoopenvError` of one line that names the file and leaves nothing behind;
     otherwise table and summary are there, and are removed again.
+    Nobody else may use the folder meanwhile.
     """
     path = Path(path)
     before = sorted(path.parent.iterdir())
