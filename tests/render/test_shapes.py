@@ -108,9 +108,10 @@ def test_a_bent_arrow_keeps_to_its_circle_and_turns_the_way_it_says():
         assert 0.9 < off.max() < 1.1
 
 
-def drawn(applied, internal, pose=(0.0, 0.0, 0.0), limits=((10.0, 5.0), (20.0, 4.0))):
+def drawn(applied, internal, pose=(0.0, 0.0, 0.0), limits=((10.0, 5.0), (20.0, 4.0)), body=None):
     """What is drawn of two agents' wrenches in a room of 6 m, 640 pixels wide."""
-    core = Transport(force_limit=[f for f, _ in limits], torque_limit=[t for _, t in limits])
+    forces, torques = zip(*limits, strict=True)
+    core = Transport(body=body or Body(), force_limit=forces, torque_limit=torques)
     core.reset(seed=0, pose=pose, goal=(0, 2, 0))
     step = replace(last(core), applied=np.array([applied], float))
     split = SimpleNamespace(internal=np.array([internal], float))
@@ -186,18 +187,48 @@ def test_the_caption_writes_the_worlds_own_numbers_in_their_order():
     assert texts == ["t 1.25 s", "γ 0.12", "F_I 3.1 N", "T_I 2.7 N·m", "0.75", "0.25"]
 
 
-def test_a_share_is_a_bar_from_nothing_in_its_agents_colour_and_stops_at_the_end_of_its_scale():
-    def bar(share, agent=0):
-        shapes = written(share).of("polygon", AGENTS[agent])
-        return (shapes[0][1][:, 0].min(), shapes[0][1][:, 0].max()) if shapes else None
+def bar(share, agent=0):
+    """From where to where the bar of an agent's share goes [px]."""
+    shape = written(share).of("polygon", AGENTS[agent])[0][1]
+    return shape[:, 0].min(), shape[:, 0].max()
 
-    whole = np.diff(bar([1.0, 0.0]))[0]
-    assert np.diff(bar([0.25, 0.75])) == pytest.approx(whole / 4)
-    assert np.diff(bar([0.25, 0.75], 1)) == pytest.approx(whole * 3 / 4)
-    assert np.diff(bar([9.0, 0.0])) == pytest.approx(1.25 * whole)
-    assert np.diff(bar([-9.0, 0.0])) == pytest.approx(0.25 * whole)
+
+def length(share, agent=0):
+    start, end = bar(share, agent)
+    return end - start
+
+
+def test_a_share_is_a_bar_from_nothing_in_its_agents_colour_and_stops_at_the_end_of_its_scale():
+    whole = length([1.0, 0.0])
+    assert length([0.25, 0.75]) == pytest.approx(whole / 4)
+    assert length([0.25, 0.75], 1) == pytest.approx(whole * 3 / 4)
+    assert length([9.0, 0.0]) == pytest.approx(1.25 * whole)
+    assert length([-9.0, 0.0]) == pytest.approx(0.25 * whole)
     assert bar([0.5, 0.5])[0] == bar([1.0, 0.0])[0]  # they begin at the same place
     assert bar([-0.5, 0.0])[1] == pytest.approx(bar([1.0, 0.0])[0])
+
+
+def test_the_scale_of_shares_takes_the_room_it_was_given():
+    caption = Caption(left=12, right=628, top=640, num_agents=2, unit=1.0)
+    assert caption._at(100.0, -0.25) == 112.0
+    assert caption._at(100.0, 1.25) == pytest.approx(112.0 + caption._bar)
+    assert caption._at(100.0, 0.5) == pytest.approx(112.0 + caption._bar / 2)
+
+
+def test_a_short_arrow_is_drawn_thinner():
+    shape = arrow(np.zeros(2), np.array([6.0, 0.0]), 4.0)
+    assert shape[:, 1].max() == pytest.approx(1.6 * 2)
+    np.testing.assert_allclose(np.abs(shape[[0, 1, 5, 6], 1]), 1.0)
+    bent = bent_arrow(np.zeros(2), 30.0, 0.0, 0.2, 4.0)
+    assert np.hypot(*bent.T).max() == pytest.approx(30 + 1.6 * 2)
+
+
+def test_a_torque_at_a_grip_off_the_axis_goes_round_from_its_far_side():
+    body = Body(grips=((-0.9, 0.04), (0.9, 0.0)))
+    (shape,) = drawn([(0, 0, 5.0), (0, 0, 0)], np.zeros((2, 3)), body=body).of("polygon", APPLIED)
+    grip = MIDDLE + SCALE * np.array([-0.9, -0.04])
+    outwards = np.arctan2(0.04, -0.9)
+    np.testing.assert_allclose(shape[1], bent_arrow(grip, 17.0, outwards, 1.5 * np.pi, 3.25))
 
 
 def test_a_share_that_is_none_is_a_dash_and_a_negative_one_has_a_minus():
