@@ -149,8 +149,8 @@ FRAMES = np.array([[(1.0, 0.0), (-1.0, 0.0)]] * 2)
 
 
 def test_a_preview_is_seen_from_each_agents_frame_as_far_as_it_is_told():
-    pose = rows((1, 1, np.pi / 2), (1, 1, np.pi / 2))
-    later = np.array([[(2, 3, np.pi), (1, 0, 0)]] * 2, dtype=float)
+    pose = rows((1, 2, np.pi / 2), (1, 2, np.pi / 2))
+    later = np.array([[(2, 4, np.pi), (1, 1, 0)]] * 2, dtype=float)
     seen = ahead_in_agent_frames(pose, later, FRAMES, TOLD)
     np.testing.assert_allclose(seen[0, 0], [2, -1, 0, 1, -1, 0, 0, -1], atol=1e-12)
     np.testing.assert_allclose(seen[0, 1], [-2, 1, 0, 0, 1, 0, 0, 0], atol=1e-12)
