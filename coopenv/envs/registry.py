@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 import gymnasium
+import pettingzoo
 from pettingzoo import AECEnv
 
 from coopenv.config import TransportConfig
@@ -57,7 +58,9 @@ _REGISTERED: dict[str, Views] = {}
 
 
 def register(id: str, *, module: str | None = None, **defaults: Any) -> Views:
-    """Give an environment of your own a Gymnasium id, and all its views.
+    """Give an environment of your own an id of Gymnasium's and PettingZoo's, and all its views.
+
+    ``pettingzoo.make("parallel" or "aec", id)`` knows it from PettingZoo 1.27 on.
 
     Parameters
     ----------
@@ -108,7 +111,15 @@ def register(id: str, *, module: str | None = None, **defaults: Any) -> Views:
         vector_entry_point=f"{home}:vector_env",
         kwargs=keywords,
     )
+    _register_with_pettingzoo(id, home, keywords)
     return made
+
+
+def _register_with_pettingzoo(id: str, home: str, keywords: dict[str, Any]) -> None:
+    """Enter both of PettingZoo's views of an id, where PettingZoo has a registry."""
+    if hasattr(pettingzoo, "register"):
+        pettingzoo.register("parallel", id, f"{home}:parallel_env", kwargs=keywords)
+        pettingzoo.register("aec", id, f"{home}:env", kwargs=keywords)
 
 
 def single_env(*, registered: str, **keywords: Any) -> TransportEnv:
@@ -119,6 +130,16 @@ def single_env(*, registered: str, **keywords: Any) -> TransportEnv:
 def vector_env(num_envs: int = 1, *, registered: str, **keywords: Any) -> TransportVectorEnv:
     """The Gymnasium vector view of an id that `register` entered as ``"module:id"``."""
     return _registered(registered).vector_env(num_envs, **keywords)
+
+
+def parallel_env(*, registered: str, **keywords: Any) -> TransportParallelEnv:
+    """The PettingZoo view of an id that `register` entered as ``"module:id"``."""
+    return _registered(registered).parallel_env(**keywords)
+
+
+def env(*, registered: str, **keywords: Any) -> AECEnv:
+    """The PettingZoo view, agents in turn, of an id that `register` entered as ``"module:id"``."""
+    return _registered(registered).env(**keywords)
 
 
 for _made, _kind in ((single_env, TransportEnv), (vector_env, TransportVectorEnv)):

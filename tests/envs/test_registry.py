@@ -2,9 +2,11 @@
 
 import json
 import sys
+from typing import Any
 
 import gymnasium
 import numpy as np
+import pettingzoo
 import pytest
 from gymnasium.envs.registration import EnvSpec
 
@@ -15,6 +17,8 @@ from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.tasks import TASKS
 from tests.helpers import IDS, PARALLEL
+
+PETTINGZOO_LISTS = hasattr(pettingzoo, "make")  # from 1.27 on
 
 MODULE = """
 from dataclasses import dataclass
@@ -48,8 +52,31 @@ def registered():
 
 
 def forget(prefix):
-    for known in [known for known in gymnasium.registry if known.startswith(prefix)]:
-        del gymnasium.registry[known]
+    registries = [gymnasium.registry]
+    if PETTINGZOO_LISTS:
+        registries += [pettingzoo.parallel_registry, pettingzoo.aec_registry]
+    for registry in registries:
+        for known in [known for known in registry if known.startswith(prefix)]:
+            del registry[known]
+
+
+@pytest.mark.skipif(not PETTINGZOO_LISTS, reason="this PettingZoo has no registry")
+@pytest.mark.parametrize("view", IDS)
+def test_pettingzoo_makes_every_id(view):
+    parallel: Any = pettingzoo.make("parallel", view, horizon=7)
+    turns: Any = pettingzoo.make("aec", view, max_cycles=9)
+    assert isinstance(parallel, pettingzoo.ParallelEnv)
+    assert isinstance(turns, pettingzoo.AECEnv)
+    assert parallel.transport.config == find_config(view, {"horizon": 7})
+    assert turns.unwrapped.transport.config == find_config(view, {"horizon": 9})
+
+
+@pytest.mark.skipif(not PETTINGZOO_LISTS, reason="this PettingZoo has no registry")
+def test_pettingzoo_makes_an_id_of_ones_own(registered):
+    parallel: Any = pettingzoo.make("parallel", "here/Plate-v0")
+    turns: Any = pettingzoo.make("aec", "here/Plate-v0", horizon=5)
+    assert parallel.possible_agents == registered.parallel_env().possible_agents
+    assert (parallel.transport.horizon, turns.unwrapped.transport.horizon) == (30, 5)
 
 
 def test_an_id_with_its_module_imports_it_in_gymnasium_and_here(module):
