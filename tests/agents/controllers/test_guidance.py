@@ -71,7 +71,7 @@ def test_in_a_room_too_narrow_for_it_the_middle_is_aimed_for():
 
 def test_each_world_has_its_own_outline_and_rectangle():
     outline = np.concatenate([BEAM, 0.5 * BEAM])
-    low, high = np.tile(ROOM[0], (2, 1)), np.array([[4.0, 3.0], [3.0, 3.0]])
+    low, high = np.array([[-4.0, -3.0]] * 2), np.array([[4.0, 3.0], [3.0, 3.0]])
     pose, goal = np.array([[2.8, 0, 0], [2.3, 0, 0]]), np.array([[3.8, 0, 0], [3.8, 0, 0]])
     twist = approach(pose, goal, outline, low, high, GAINS)
     np.testing.assert_allclose(twist[:, 0], [0.2, 0.2], atol=1e-12)  # to 2.9 m and to 2.4 m
