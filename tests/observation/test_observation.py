@@ -101,8 +101,12 @@ def test_every_block_is_what_it_says(team):
 
 
 def test_limits_of_each_agent_are_seen_its_own_first_and_then_the_others_in_turn():
-    limits = {"force_limit": (1.0, 2.0, 3.0), "torque_limit": (4.0, 5.0, 6.0)}
-    core, transition, obs = moved(TRIO, observe=("body", "own_wrench"), **limits)
+    core, transition, obs = moved(
+        TRIO,
+        observe=("body", "own_wrench"),
+        force_limit=(1.0, 2.0, 3.0),
+        torque_limit=(4.0, 5.0, 6.0),
+    )
     seen = obs[..., core.observation.blocks["body"]]
     np.testing.assert_allclose(seen, body_seen(core), rtol=1e-6, atol=1e-6)
     assert seen[0, 1, 7:].tolist()[:2] == [2.0, 5.0]
