@@ -24,7 +24,7 @@ def test_the_series_of_a_walk(tmp_path):
     generator = np.random.default_rng(0)
     steps = 5
     seen = Recording(
-        time=0.1 * np.arange(steps), pose=generator.normal(size=(steps, 3)),
+        time=np.linspace(0.0, 0.4, steps), pose=generator.normal(size=(steps, 3)),
         twist=generator.normal(size=(steps, 3)), applied=generator.normal(size=(steps, 2, 3)),
         planned=generator.normal(size=(steps, 3)), grips=np.array([(-0.5, 0.0), (0.3, 0.0)]),
         clearance=generator.uniform(size=steps),
