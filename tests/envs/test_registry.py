@@ -65,10 +65,10 @@ def forget(prefix):
 def test_pettingzoo_makes_every_id(view):
     parallel: Any = pettingzoo.make("parallel", view, horizon=7)
     turns: Any = pettingzoo.make("aec", view, max_cycles=9)
-    assert isinstance(parallel, pettingzoo.ParallelEnv)
-    assert isinstance(turns, pettingzoo.AECEnv)
     assert parallel.transport.config == find_config(view, {"horizon": 7})
     assert turns.unwrapped.transport.config == find_config(view, {"horizon": 9})
+    assert isinstance(parallel, pettingzoo.ParallelEnv)
+    assert isinstance(turns, pettingzoo.AECEnv)
 
 
 @pytest.mark.skipif(not PETTINGZOO_LISTS, reason="this PettingZoo has no registry")
