@@ -96,7 +96,7 @@ def _train(
 ) -> SB3Policy:
     venv = TransportVecEnv(environment, config.num_worlds, control=config.control)
     provenance = Provenance.of(config, venv.transport.config)
-    require_room(config.out)
+    require_room(config.out, fresh=config.fresh)
     found = None if config.fresh else _furthest(config, provenance)
     if found is None:
         model, progress = _begin(config, venv), Progress()

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import VecNormalize
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
@@ -19,7 +20,7 @@ from ..noise import EpisodeKeys
 from .files import Saved, load_model, save_model
 from .finite import DIVERGED, has_diverged
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
-from .record import RECORD, has_learned_in_its_environment, notes_now
+from .record import RECORD, has_learned_in_its_environment, learned_so_far, notes_now
 from .sampling import can_be_sampled, sampled
 from .spaces import spaces_of
 from .trained_on import check_trained_on
@@ -38,9 +39,10 @@ class SB3Policy:
     deterministic
         Take the mean action instead of a sample.
     normalize
-        Observation statistics: a ``VecNormalize``, or the file that its ``save`` wrote, which is a
-        pickle and needs ``trust``. ``None``: those of the model's own environment, as they are
-        when it acts. ``False``: none. They hold until the model learns in another environment.
+        Observation statistics: a ``VecNormalize``, as they are when the policy acts, or the file
+        that its ``save`` wrote, which is a pickle and needs ``trust``. ``None``: those of the
+        model's own environment, as they are when it acts. ``False``: none. They hold until the
+        model learns in another environment.
     seed
         Of sampled actions, which are keyed by it, by the episode's seed and by the step.
     notes
@@ -76,6 +78,8 @@ class SB3Policy:
         self._given = (
             find_normalization(normalize, self._features, trust=trust) if self._is_given else None
         )
+        self._live = normalize if isinstance(normalize, VecNormalize) else None
+        self._begun = learned_so_far(model)
         self._seed, self._keys = seed, EpisodeKeys(seed)
         self._memory: tuple[npt.NDArray, ...] | None = None  # of a recurrent policy, row by row
         self._fresh = np.zeros(0, dtype=np.bool_)  # (world,): whose episode begins
@@ -144,7 +148,7 @@ class SB3Policy:
         environment that is not known or cannot be written costs no trained policy: it is warned of
         and left out. ``PPO.load`` and its like read the file as well, without the normalisation.
         """
-        notes, missing = notes_now(self.model, self.notes)
+        notes, missing = notes_now(self.model, self.notes, learned_on=self._has_learned_on)
         if missing:
             warnings.warn(
                 f"the policy's file does not say which environment it was trained in: {missing}; "
@@ -165,7 +169,7 @@ class SB3Policy:
             If there were some, and they are not known.
         """
         if self._holds_given:
-            return self._given
+            return self._given if self._live is None else Normalization.of(self._live)
         venv = self.model.get_vec_normalize_env()
         if venv is not None:
             return Normalization.of(venv)
@@ -178,10 +182,16 @@ class SB3Policy:
         return None
 
     @property
+    def _has_learned_on(self) -> bool:
+        """Whether the model has learned since it was given or read."""
+        return learned_so_far(self.model) != self._begun
+
+    @property
     def _holds_given(self) -> bool:
         """Whether the statistics that were given are still those of the model's training."""
-        elsewhere = self.model.get_env() is not self._given_in
-        return self._is_given and not (elsewhere and has_learned_in_its_environment(self.model))
+        there = self.model.get_env() is self._given_in
+        same = there and has_learned_in_its_environment(self.model)
+        return self._is_given and (same or not self._has_learned_on)
 
     def sampled(self) -> Self | None:
         """The same policy with sampled actions; ``None`` for algorithms that have no spread."""
@@ -192,16 +202,21 @@ class SB3Policy:
         return type(self)(
             self.model,
             deterministic=False,
-            normalize=(self._given or False) if self._holds_given else None,
+            normalize=(self._live or self._given or False) if self._holds_given else None,
             seed=self._seed,
-            notes=self.notes,
+            notes=self._notes_now(),
         )
+
+    def _notes_now(self) -> Mapping[str, Any]:
+        """The notes, their record that of the environment in which the model learned last."""
+        if RECORD not in self.notes:
+            return self.notes
+        return notes_now(self.model, self.notes, learned_on=self._has_learned_on).entries
 
     def check_environment(self, core: Transport) -> None:
         """Raise `InvalidInput` if ``core`` is not what it was trained on, as far as that shows."""
         agents = self._spaces.check_environment(core)
-        notes = notes_now(self.model, self.notes).entries if RECORD in self.notes else self.notes
-        check_trained_on(notes, core, agents)
+        check_trained_on(self._notes_now(), core, agents)
 
     def reset(self, mask: BoolArray) -> None:
         """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""

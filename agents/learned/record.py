@@ -36,15 +36,29 @@ def has_learned_in_its_environment(model: BaseAlgorithm) -> bool:
     return model.get_env() is not None and getattr(model, _SEEN, None) is not None
 
 
-def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any]) -> Notes:
+def learned_so_far(model: BaseAlgorithm) -> tuple[int, int]:
+    """Steps and updates of a model's training: another number once it has learned on."""
+    return model.num_timesteps, getattr(model, "_n_updates", 0)
+
+
+def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any], *, learned_on: bool) -> Notes:
     """``notes``, with the record of the environment in which the model learned last.
 
     A record in ``notes`` says more, so it stays as long as nothing was learned elsewhere. What was
-    learned in an environment that cannot be recorded is under no record.
+    learned in an environment that cannot be recorded, or that is gone, is under no record.
+
+    Parameters
+    ----------
+    model, notes
+        Whose they are.
+    learned_on
+        Whether the model has learned since the notes were written.
     """
     kept, rest = RECORD in notes, {name: notes[name] for name in notes if name != RECORD}
     venv = model.get_env()
-    if venv is None or (kept and not has_learned_in_its_environment(model)):
+    if kept and not learned_on:
+        return Notes(dict(notes), "")
+    if venv is None and not kept:
         return Notes(dict(notes), "")
     if model.num_timesteps and not has_learned_in_its_environment(model):
         return Notes(
@@ -52,7 +66,7 @@ def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any]) -> Notes:
             "it was given another one since it learned (give SB3Policy notes=venv.to_notes() of "
             "the one that it learned in, or save it before set_env)",
         )
-    inside = venv.unwrapped
+    inside = None if venv is None else venv.unwrapped
     if not isinstance(inside, Recorded):
         return Notes(rest, "it learned on in one that does not say what it is" if kept else "")
     try:

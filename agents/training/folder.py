@@ -3,10 +3,13 @@
 import json
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from coopenv.errors import CoopenvError, InvalidInput
 from coopenv.files import reading
 
+from ..learned.archive import read_notes
+from ..learned.record import RECORD
 from ..settings import TrainConfig
 from .checkpoint import CHECKPOINT, POLICY
 
@@ -19,20 +22,27 @@ WRITTEN = (  # beside the policy; the last three by ``coopenv train``
 _SAID = ("environment", "steps", "num_worlds", "out")  # by the settings of every run
 
 
-def require_room(out: Path) -> None:
-    """Raise `InvalidInput` if a run would write over, or remove, what no run wrote."""
-    foreign = [name for name in WRITTEN if (out / name).exists()]
-    if foreign and not shows_run(out):
+def require_room(out: Path, *, fresh: bool) -> None:
+    """Raise `InvalidInput` if a run would write over, or remove, what no run wrote.
+
+    Policies that a run cannot take are refused by who reads them; here only those that ``fresh``
+    would remove.
+    """
+    found = [name for name in WRITTEN if (out / name).exists()]
+    if shows_run(out):
+        found = []
+    if fresh:
+        found += [name for name in (POLICY, CHECKPOINT) if _training(out / name) == {}]
+    if found:
         raise InvalidInput(
             f"out must be a folder of a run, a new or an empty one, got {out}, which holds "
-            f"{', '.join(foreign)} but no {POLICY}, no {CHECKPOINT} and no {SETTINGS} of a run; "
-            "choose another out, or move them away"
+            f"{', '.join(found)} that no run wrote; choose another out, or move it away"
         )
 
 
 def shows_run(out: Path) -> bool:
     """Whether something in a folder says that a run was there."""
-    return any((out / name).exists() for name in (POLICY, CHECKPOINT)) or _has_settings(out)
+    return _has_settings(out) or any(_training(out / name) for name in (POLICY, CHECKPOINT))
 
 
 def clear(out: Path) -> None:
@@ -45,6 +55,18 @@ def clear(out: Path) -> None:
         log.unlink()
         with suppress(OSError):  # a folder with something else in it stays
             log.parent.rmdir()
+
+
+def _training(path: Path) -> dict[str, Any] | None:
+    """Settings of the run that a policy is of, empty if of none; None if damaged or absent."""
+    try:
+        record = read_notes(path).get(RECORD, {})
+    except CoopenvError:
+        return None
+    training = record.get("training", {}) if isinstance(record, dict) else None
+    if not isinstance(training, dict):
+        return None
+    return training if all(name in training for name in _SAID) else {}
 
 
 def _has_settings(out: Path) -> bool:

@@ -103,7 +103,7 @@ def _causes(error: BaseException | None) -> Iterator[BaseException]:
 
 
 def _meant(arguments: Sequence[str], commands: Mapping[str, type]) -> str | None:
-    """One line about the first option that is called otherwise; None where all are known."""
+    """One line about the first option that is not known; None where all are."""
     if not arguments or arguments[0] not in commands:
         return None
     known = set(_options(commands[arguments[0]])) | {"help"}
@@ -114,12 +114,11 @@ def _meant(arguments: Sequence[str], commands: Mapping[str, type]) -> str | None
             continue
         place = _place(name)
         meant = f"--{place}" if place and place.split()[0] in known else likely(name, known)
-        if meant is not None:
-            meant = meant if meant.startswith("--") else f"--{meant.replace('_', '-')}"
-            return (
-                f"{PROGRAM}: option must be one of coopenv {arguments[0]} --help, got {option}; "
-                f"did you mean {meant}?"
-            )
+        rule = f"{PROGRAM}: option must be one of coopenv {arguments[0]} --help, got {option}"
+        if meant is None:
+            return f"{rule}; look there"
+        meant = meant if meant.startswith("--") else f"--{meant.replace('_', '-')}"
+        return f"{rule}; did you mean {meant}?"
     return None
 
 

@@ -31,7 +31,7 @@ RESULTS = (  # name, unit, meaning
     ("`internal_power`", "W", "power passed between effectors, ½(Σ|Ė_i| − |ΣĖ_i|)"),
     ("`cost`", "N", "J(h_M) (eq. 17)"),
     ("`applied_cost`", "N", "J(h) (eq. 17)"),
-    ("`gap`", "N", "bound on how much the cost exceeds the optimum"),
+    ("`gap`", "N", "bound on how far the cost is from the optimum"),
 )
 """What the table adds to a recording, for the page on recordings."""
 

@@ -59,7 +59,7 @@ class Summary:
     method: str
     solver: str
     fallbacks: int  # rows for which the solver had to ask another one
-    gap: float  # largest bound on how much a cost exceeds the optimum [N]
+    gap: float  # largest bound on how far a cost is from the optimum [N]
     worst: Worst
     measures: tuple[Measure, ...]
     left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used

@@ -202,10 +202,11 @@ class Decomposition:
     def gap(self) -> FloatArray:
         """Bound ``(...)`` on how far the cost is from the optimum [N]; 0 for closed forms.
 
-        For ``method="optimal"`` the least cost J* of eqs. 17-21 lies within ``cost`` ± ``gap``, and
-        ``gap`` is at most ``cost``. Bounded is the cost, not the wrench, which need not be unique.
-        J* is that of the grips as they count: on a line through the centre of mass within 1e-12 of
-        the longest lever, and at one place within 1e-15 of it.
+        For ``method="optimal"`` the least cost J* of eqs. 17-21 lies within ``cost`` ± ``gap``. A
+        gap is at most the cost, and where it is the cost, J* may be any. Bounded is the cost, not
+        the wrench, which need not be unique. J* is that of the grips as they count: on a line
+        through the centre of mass within 1e-12 of the longest lever, and at one place within 1e-15
+        of it.
 
         That the cost is no further above J* is proved: of two planar effectors off an axis by the
         bracket of the optimum, otherwise by the dual program, whatever the solver believes. That it

@@ -126,6 +126,15 @@ def test_an_unknown_option_is_refused(capsys):
     assert "--steps" in capsys.readouterr().err
 
 
+def test_an_option_like_no_other_is_refused_in_one_line(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        run("train", "--nonesuch", 3)
+    assert stopped.value.code == 2
+    said = capsys.readouterr().err
+    assert "got --nonesuch; look there" in said
+    assert said.count("\n") == 1
+
+
 def test_a_missing_extra_is_named(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "tyro", None)
     assert run("train") == 1

@@ -47,6 +47,7 @@ def collected(*parts, **analysis: Any) -> Summary:
             for name, value in known.items()
         }
         columns = {"wasted_cost": values, "force_load_share_1": -values, "note": values}
+        each["results"] = [name for name in columns if name != "note"]
         collector.add(recording, Columns(columns=columns, **each))  # pyright: ignore[reportArgumentType]
     here = Path("a")
     return collector.summary(

@@ -271,7 +271,7 @@ def test_a_name_that_is_no_text_is_written_and_printed(tmp_path, capfd):
     assert cli.main(["decompose", str(path), *given]) == 0
     printed = capfd.readouterr().out
     assert "\\xff.decomposed.csv" in printed
-    assert "\\xff.csv, line 2" in " ".join(printed.split())
+    assert "\\xff.csv,line2" in "".join(printed.split())  # long lines are broken anywhere
 
 
 def test_what_no_unit_can_hold_is_a_bad_row_without_a_warning(tmp_path):

@@ -98,6 +98,36 @@ def test_statistics_of_a_file_give_way_to_those_of_the_training_that_goes_on(tmp
     assert given.normalization is not None
 
 
+def test_what_a_model_learned_in_last_is_not_known_once_it_has_another_environment(saved, tmp_path):
+    policy = SB3Policy.load(saved)
+    learn_on(policy.model, in_other())
+    policy.model.set_env(small())
+    with pytest.warns(UserWarning, match="given another one since it learned"):
+        policy.save(tmp_path / "second.zip")
+    assert recorded(tmp_path / "second.zip") is None
+    behind = SB3Policy.load(saved)
+    learn_on(behind.model, normalized())
+    behind.model.set_env(small())
+    with pytest.raises(InvalidInput, match="normalize must be given"):
+        _ = behind.normalization
+    SB3Policy(trained("PPO", normalized())).save(tmp_path / "normalized.zip")
+    plain = SB3Policy.load(tmp_path / "normalized.zip")
+    learn_on(plain.model, small())
+    assert plain.normalization is None
+    plain.model.set_env(in_other())
+    with pytest.raises(InvalidInput, match="normalize must be given"):
+        _ = plain.normalization
+
+
+def test_statistics_given_alive_are_those_of_the_moment():
+    venv = normalized()
+    model = trained("PPO", venv)
+    policy = SB3Policy(model, normalize=venv)
+    model.learn(64)
+    assert policy.normalization is not None
+    np.testing.assert_array_equal(policy.normalization.mean, venv.obs_rms.mean)  # type: ignore[union-attr]
+
+
 def test_statistics_that_are_given_hold_in_the_environment_they_are_given_for():
     venv = normalized()
     model = trained("PPO", venv)

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from coopenv import wrench
-from coopenv.wrench.conic import solver as conic
 from coopenv.wrench.methods import close_grips
 from coopenv.wrench.pair import on_axis
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.structured import solver as structured
 from tests.wrench.cases import pair_families
 from tests.wrench.pair.reference import least_cost
 from tests.wrench.pair.test_close_grips import cases
@@ -114,7 +112,7 @@ def test_the_optimum_of_close_teams_of_any_scale_lies_within_the_gap(count, draw
                 d = decomposed(applied, places, weight, induced, "structured")
                 exact = decomposed(pair, grips, weight, induced, "pair")
                 allowed = d.gap + exact.gap + 1e-9 * d.applied_cost
-                outside += np.abs(d.cost - exact.cost) > allowed
+                outside += (np.abs(d.cost - exact.cost) > allowed) and d.gap < d.cost
                 tried += 1
     assert tried >= 0.8 * 11 * count * draws
     assert outside <= 1e-4 * tried
@@ -145,30 +143,38 @@ def test_the_gap_tells_of_the_jump_where_two_of_a_team_on_a_beam_meet(num_others
             for separation in (1e-13, 1e-11, 1e-9, 1e-7):
                 d = at(separation)
                 difference, limit = np.abs(d.cost - apart.cost), 1e-4 * d.applied_cost
-                assert difference <= d.gap + apart.gap + limit
+                assert difference <= d.gap + apart.gap + limit or d.gap == d.cost
                 told += difference > 100.0 * limit
     assert teams >= 12
     assert told >= 5
 
 
 @pytest.mark.parametrize("solver", GENERAL)
-def test_an_answer_that_may_be_too_cheap_by_more_than_it_costs_is_given_back_in_part(solver):
+def test_where_more_than_the_cost_is_in_doubt_the_gap_is_the_cost(solver):
     # nothing but opposed forces: at one place they cancel, next to each other they are a couple
     # that no torque balances
     applied = np.array([[2.0, 1.0, 0.0], [-2.0, -1.0, 0.0], [0.0, 0.0, 0.0]])
     grips = np.array([(0.9, 0.1), (0.9 + 3e-14, 0.1), (-0.5, 0.7)])
-    own = {
-        "structured": structured.prepare(grips, Settings(), conic.prepare),
-        "conic": conic.prepare(grips, Settings()),
-    }[solver](applied)
     d = wrench.decompose(applied, grips, solver=solver)
-    if np.abs(own.manipulation).max() <= 1e-9:
-        np.testing.assert_allclose(d.manipulation, 0.5 * applied, rtol=2e-6)
-    assert d.applied_cost - d.cost <= d.gap <= d.cost
+    assert d.gap == d.cost or d.applied_cost - d.cost <= d.gap < d.cost
+
+
+@pytest.mark.parametrize("solver", ["auto", *GENERAL])
+@pytest.mark.parametrize("separation", [0.0, 1e-15, 7e-15, 1e-14, 1e-13, 1e-12, 1e-9, 1e-6])
+def test_an_answer_is_not_made_worse_where_it_is_in_doubt(separation, solver):
+    forces = np.array([[-1.32, -1.765, -0.358], [1.172, 1.571, -0.301]])
+    place = np.array([-0.136352088496291, 0.448969789646627])
+    planar = np.array([place, place + separation])
+    applied, grips = np.zeros((2, 6)), np.zeros((2, 3))
+    applied[:, [1, 2, 3]], grips[:, 1:] = forces, planar  # in the plane x = 0
+    exact = wrench.decompose(forces, planar, solver="pair")
+    d = wrench.decompose(applied, grips, solver=solver)
+    assert d.relative_cost == pytest.approx(exact.relative_cost, abs=1e-6)
+    assert exact.relative_cost == pytest.approx(0.8128, abs=1e-4)
 
 
 @pytest.mark.parametrize("solver", GENERAL)
-def test_where_little_is_in_doubt_little_is_given_back(solver):
+def test_a_gap_is_small_where_little_is_in_doubt(solver):
     applied = np.array([[2.0, 1.0, 1.0], [-2.0, -1.0, -1.0], [0.0, 0.0, 0.0]])
     grips = np.array([(0.9, 0.1), (0.9 + 1e-7, 0.1), (-0.5, 0.7)])
     d = wrench.decompose(applied, grips, solver=solver)
