@@ -3,6 +3,7 @@
 It has one thread, which is what makes forking it sound.
 """
 
+import faulthandler
 import gc
 import json
 import os
@@ -52,6 +53,7 @@ def _become(task: Task) -> NoReturn:
     for number, name in ((1, OUT), (2, ERR)):
         place = os.open(Path(task.folder) / name, os.O_WRONLY)
         os.dup2(place, number)
+    faulthandler.enable()  # one that hangs and is aborted says where it was
     os.chdir(task.folder)
     sys.argv = ["coopenv", *task.arguments]
     try:

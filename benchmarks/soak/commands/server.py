@@ -91,9 +91,12 @@ class Child:
             If it hangs; it is killed.
         """
         if not select([self._replies], [], [], LONGEST)[0]:
-            self.kill(signal.SIGKILL)
+            self.kill(signal.SIGABRT)  # it then says where it is
             _line(self._replies)
-            raise AssertionError(f"{' '.join(self._task.arguments)} hangs for {LONGEST:g} s")
+            where = (Path(self._task.folder) / ERR).read_text(errors="replace")[-2000:]
+            raise AssertionError(
+                f"{' '.join(self._task.arguments)} hangs for {LONGEST:g} s\n{where}"
+            )
         ended = _line(self._replies)
         folder = Path(self._task.folder)
         out, err = ((folder / name).read_text(errors="replace") for name in (OUT, ERR))
