@@ -6,6 +6,7 @@ those are compiled too, to the ones that mention them. Names are compared as wor
 resolving imports: rather a test too many than one too few.
 
 A file of tests of which no run is recorded counts as a whole, if it mentions one of those names.
+Changes of constants and defaults are tried first with the tests that hold a table of all of them.
 """
 
 import ast
@@ -83,7 +84,11 @@ class Reach:
             file = one.test.partition("::")[0]
             return -_nearness(code, file), -len(close & self._words[file]), one.seconds
 
-        return sorted(chosen, key=order)
+        ordered = sorted(chosen, key=order)
+        pinning = self.project.pinning
+        if change.at_import and pinning in self._words:  # its table is text, which names nothing
+            ordered.insert(0, Selected(pinning, UNKNOWN, recorded=False))
+        return ordered
 
     def _is_recorded(self, change: Change) -> bool:
         """Whether tests ran other lines of the function or class: then it is no kernel."""

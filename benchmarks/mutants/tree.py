@@ -4,7 +4,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -20,6 +20,7 @@ class Project:
     root: Path
     folders: tuple[str, ...] = ("coopenv", "agents", "rewards")
     tests: str = "tests"
+    pinning: str = "tests/test_defaults.py"  # a table of every default and constant
 
     def modules(self) -> list[str]:
         """Files of the code, relative to the root; what is linked into it belongs elsewhere."""
@@ -66,7 +67,7 @@ class Tree:
                 (place / name).unlink()
         for name in sorted(wanted):
             _copy(project.root / name, place / name)
-        copy = Project(root=place, folders=project.folders, tests=project.tests)
+        copy = replace(project, root=place)
         return cls(project=copy, cache=cache)
 
     @contextmanager

@@ -26,6 +26,17 @@ def test_tests_come_from_lines_and_for_constants_from_the_functions_that_name_th
     assert not reach.tests(change_of(beam, "steps > 0", "steps > 1"), beam)
 
 
+def test_constants_are_tried_first_with_the_table_of_all_of_them(tmp_path):
+    project = toy(tmp_path)
+    (project.root / project.pinning).write_text("def test_the_table():\n    pass\n")
+    beam = Source("toy/beam.py", (project.root / "toy/beam.py").read_bytes())
+    reach = Reach(project=project, recording=Recording())
+    constant = reach.tests(change_of(beam, "2.0", "4.0"), beam)
+    assert constant[0] == Selected(project.pinning, 10.0, recorded=False)
+    inside = reach.tests(change_of(beam, "min(", "max("), beam)
+    assert project.pinning not in [one.test for one in inside]
+
+
 def test_a_line_that_no_test_ran_is_reached_by_none_though_its_function_is(tmp_path):
     project = toy(tmp_path)
     beam = Source("toy/beam.py", (project.root / "toy/beam.py").read_bytes())
