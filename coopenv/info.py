@@ -60,8 +60,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     """
     decomposition = transition.decomposition
     share = decomposition.load_share
-    force_share, force_defined = _told_share(share.force)
-    torque_share, torque_defined = _told_share(share.torque)
+    force_share, force_defined, torque_share, torque_defined = _told(share.force, share.torque)
     info = Info(
         internal_wrench=decomposition.internal,
         manipulation_wrench=decomposition.manipulation,
@@ -78,8 +77,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         contact_impulse=transition.contact_impulse,
         contact_shift=transition.contact_shift,
     )
-    for name, part in parts.items():
-        info[REWARD + name] = part
+    info.update({REWARD + name: part for name, part in parts.items()})
     if transition.conditions.randomised:
         for name, number in transition.conditions.parameters().items():
             info[BODY + name] = number
@@ -109,9 +107,14 @@ def one(info: Info, k: int) -> Info:
     )
 
 
-@gufunc("(n)->(n),()", "void(float64[:], float64[:], boolean[:])")
-def _told_share(share, told, defined):
+@gufunc(
+    "(n),(n)->(n),(),(n),()",
+    "void(float64[:], float64[:], float64[:], boolean[:], float64[:], boolean[:])",
+)
+def _told(force, torque, told_force, force_defined, told_torque, torque_defined):
     """Shares with 1/n where they are undefined, and whether they are defined."""
-    defined[0] = not np.isnan(share[0])
-    for i in range(share.shape[0]):
-        told[i] = share[i] if defined[0] else 1 / share.shape[0]
+    force_defined[0], torque_defined[0] = not np.isnan(force[0]), not np.isnan(torque[0])
+    even = 1 / force.shape[0]
+    for i in range(force.shape[0]):
+        told_force[i] = force[i] if force_defined[0] else even
+        told_torque[i] = torque[i] if torque_defined[0] else even
