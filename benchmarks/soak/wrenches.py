@@ -91,12 +91,16 @@ def check_exact(problem: Problem, torque_weight: float, include_induced: bool) -
 
 
 def as_given(grips: FloatArray) -> bool:
-    """Whether the grips count as they are: not as one place, nor as on a line with the centre."""
+    """Whether the grips count as they are: not as one place, nor as on a line with the centre.
+
+    On such a line the reference needs it along an axis of coordinates: elsewhere its own rounding
+    leaves what is exactly on the rim of a ball.
+    """
     (x1, y1), (x2, y2) = grips
     apart, longest = np.hypot(x1 - x2, y1 - y2), np.hypot(*grips.T).max()
     if apart <= CLOSEST * longest:
         return apart == 0
-    return x1 * y2 == x2 * y1 or not on_axis.applies(grips)
+    return x1 == x2 == 0 or y1 == y2 == 0 or not on_axis.applies(grips)
 
 
 def told(holds: BoolArray | np.bool_, value: FloatArray, what: str, problem: Problem) -> None:

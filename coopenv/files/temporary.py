@@ -19,24 +19,26 @@ ENDING = re.compile(r"\.(\d{1,10})-([0-9a-f]{1,8})-([0-9a-f]{8})-[0-9a-f]{16}\.p
 NO_LINKS = getattr(os, "O_NOFOLLOW", 0)  # of systems that have it
 
 
-def begin(path: Path, mode: int = 0o666) -> Path:
-    """Make an empty temporary file beside ``path``, of the same suffix.
+def temporary_name(path: Path) -> Path:
+    """Draw the name of a temporary file beside ``path``, of the same suffix."""
+    me = Process.current()
+    mark = f"{me.pid}-{me.started}-{me.host}-{secrets.token_hex(8)}"
+    return path.with_name(f"{_beginning(path.name)}.{mark}.part{path.suffix}")
 
-    It never is a file or a link that was there before.
+
+def begin(part: Path, mode: int = 0o666) -> None:
+    """Make an empty file, never one or a link that was there before.
 
     Parameters
     ----------
-    path
-        What it will replace.
+    part
+        Its name, of `temporary_name`. Who removes it later has to know it before it is there, as
+        a signal may end the process as soon as it is.
     mode
         Permissions, of which the process's umask takes some away.
     """
-    me = Process.current()
-    mark = f"{me.pid}-{me.started}-{me.host}-{secrets.token_hex(8)}"
-    part = path.with_name(f"{_beginning(path.name)}.{mark}.part{path.suffix}")
     flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | NO_LINKS | getattr(os, "O_BINARY", 0)
     os.close(os.open(part, flags, mode))
-    return part
 
 
 def sweep(folder: Path, target: str | None = None) -> list[Path]:

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files.temporary import NO_LINKS, begin, sweep
+from coopenv.files.temporary import NO_LINKS, begin, sweep, temporary_name
 from coopenv.files.trouble import writing
 
 NEVER_FLUSHED = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)  # said by file systems that cannot
@@ -41,7 +41,12 @@ def written(path: str | os.PathLike) -> Iterator[Path]:
             mode = _mode(path)
             path.parent.mkdir(parents=True, exist_ok=True)
             sweep(path.parent, path.name)
-            part = begin(path, 0o666 if mode is None else mode | stat.S_IWUSR)
+            part = temporary_name(path)
+            try:
+                begin(part, 0o666 if mode is None else mode | stat.S_IWUSR)
+            except FileExistsError:  # somebody's: not to be removed
+                part = None
+                raise
             yield part
             _flush(part, mode)
             part.replace(path)

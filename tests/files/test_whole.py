@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from coopenv.errors import FileTrouble, InvalidInput
-from coopenv.files import written
+from coopenv.files import require_writable, written
+from coopenv.files.temporary import begin
 
 
 def names(folder: Path) -> list[str]:
@@ -34,6 +35,20 @@ def test_a_file_or_link_that_waits_under_a_temporary_name_is_not_overwritten(tmp
         part.write_text("ours")
     assert foreign.read_text() == "theirs"
     assert not (tmp_path / "table.csv").is_symlink()
+
+
+def test_a_signal_as_soon_as_the_temporary_file_is_there_leaves_nothing(tmp_path, monkeypatch):
+    def struck(*given):
+        begin(*given)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("coopenv.files.whole.begin", struck)
+    with pytest.raises(KeyboardInterrupt), written(tmp_path / "a.csv"):
+        pass
+    monkeypatch.setattr("coopenv.files.checks.begin", struck)
+    with pytest.raises(KeyboardInterrupt):
+        require_writable(tmp_path / "a.csv")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_temporary_names_differ_from_time_to_time_and_keep_the_suffix(tmp_path):
