@@ -246,7 +246,7 @@ def test_a_cache_of_which_a_file_cannot_be_read_does_not_stop_the_import(start, 
     for file in cached(tmp_path):
         file.unlink()
         file.mkdir()  # as unreadable for root as for others
-        start()
+        assert sum(start()) == 1  # taken from what is left, or compiled anew
 
 
 def test_a_cache_that_numba_wrote_without_digests_is_written_anew(start, tmp_path):

@@ -1,16 +1,22 @@
-"""SIGTERM as an interruption: what Slurm, docker and init send before they kill."""
+"""SIGTERM and Ctrl-C: interruptions that no destructor swallows.
+
+SIGTERM is what Slurm, docker and init send before they kill.
+"""
 
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from time import monotonic
+from time import monotonic, sleep
 from types import FrameType
 
 TERMINATED = 128 + signal.SIGTERM  # exit code, as shells count
+SOON = 0.01  # [s] until a signal comes again that found a destructor at work
 SAME = 1.0  # [s] after a signal in which others count as the same: timeout(1) sends two at once
+
+Handler = Callable[[int, FrameType | None], None]
 
 
 @dataclass(slots=True)
@@ -32,19 +38,71 @@ class Termination:
 
 @contextmanager
 def interrupted_by_termination() -> Iterator[Termination]:
-    """Let SIGTERM raise `KeyboardInterrupt`; after the block it does what it did before.
+    """Let SIGTERM raise `KeyboardInterrupt`; after the block signals do what they did before.
 
-    Only the main thread may say what signals do, and one that the process was started to ignore
-    stays ignored: then nothing changes.
+    Ctrl-C raises it too, as ever, but like SIGTERM not in a destructor. Only the main thread may
+    say what signals do, and one that the process was started to ignore stays ignored.
     """
     told = Termination()
-    before = signal.getsignal(signal.SIGTERM)
-    mine = threading.current_thread() is threading.main_thread()
-    if not mine or before in (signal.SIG_IGN, None):  # None: set by no Python code
-        yield told
-        return
-    signal.signal(signal.SIGTERM, told.handle)
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    handlers: dict[signal.Signals, _OutsideDestructors] = {}
+    if threading.current_thread() is threading.main_thread():
+        if before[signal.SIGTERM] not in (signal.SIG_IGN, None):  # None: set by no Python code
+            handlers[signal.SIGTERM] = _OutsideDestructors(told.handle)
+        if before[signal.SIGINT] is signal.default_int_handler:
+            handlers[signal.SIGINT] = _OutsideDestructors(signal.default_int_handler)
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
     try:
         yield told
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in handlers.items():
+            handler.waits = False
+            signal.signal(number, before[number])
+
+
+@dataclass(slots=True)
+class _OutsideDestructors:
+    """A handler that waits while a destructor runs, in which Python ignores what is raised.
+
+    There are no locks in it, as signals interrupt it too.
+    """
+
+    handler: Handler
+    waits: bool = False
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        if not _is_in_destructor(frame):
+            self.waits = False
+            self.handler(number, frame)
+        elif not self.waits:
+            self.waits = True
+            threading.Thread(target=self._insist, args=(number,), daemon=True).start()
+
+    def _insist(self, number: int) -> None:
+        """Send the signal again until it is handled: one that comes just before a sleep waits."""
+        sleep(SOON)
+        while self.waits:
+            _send(number)
+            sleep(SOON)
+
+
+def _send(number: int) -> None:
+    """Send this process a signal that wakes its main thread, which may sleep."""
+    main = threading.main_thread().ident
+    if main is not None and hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(main, number)
+    else:
+        signal.raise_signal(number)
+
+
+def _is_in_destructor(frame: FrameType | None) -> bool:
+    """Whether a ``__del__``, a weak reference's callback or one of pymunk's is at work."""
+    while frame is not None:
+        name, module = frame.f_code.co_name, str(frame.f_globals.get("__name__"))
+        if name == "__del__" or module in ("weakref", "_weakrefset"):
+            return True
+        if name.startswith("free") and module.partition(".")[0] == "pymunk":
+            return True
+        frame = frame.f_back
+    return False

@@ -1,5 +1,6 @@
 """SIGTERM, as Slurm and docker send it, ends a command as Ctrl-C does: nothing is half written."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -117,6 +118,50 @@ def test_a_second_signal_ends_the_process_at_once():
             process.wait(0.3)
         process.send_signal(signal.SIGTERM)
         assert process.wait(20) == -signal.SIGTERM
+
+
+def struck(number):
+    """Send a signal, and stay until it was handled."""
+    os.kill(os.getpid(), number)
+    for _ in range(1000):
+        time.sleep(0)
+
+
+def ended(drop) -> signals.Termination:
+    """What the command line was told when it went on after ``drop`` until it is interrupted."""
+    with signals.interrupted_by_termination() as told:
+        try:
+            drop()
+            gc.collect()  # what is part of a circle
+            time.sleep(5)
+        except KeyboardInterrupt:
+            return told
+    raise AssertionError("the signal was swallowed")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_that_finds_a_destructor_at_work_is_not_swallowed(number):
+    class Dying:
+        def __del__(self):
+            struck(number)
+
+    held = [Dying()]
+    assert (ended(held.clear).since is not None) == (number == signal.SIGTERM)
+
+
+def test_a_signal_that_finds_pymunk_freeing_a_body_is_not_swallowed(monkeypatch):
+    from pymunk import body
+
+    class Library:
+        def __getattr__(self, name):
+            if name == "cpBodyFree":
+                struck(signal.SIGTERM)
+            return getattr(real, name)
+
+    real = vars(body)["lib"]
+    held = [body.Body(1.0, 1.0)]
+    monkeypatch.setattr("pymunk.body.lib", Library())
+    assert ended(held.clear).since is not None
 
 
 def test_two_signals_at_once_count_as_one():

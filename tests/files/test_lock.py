@@ -45,6 +45,10 @@ def sign(folder: Path, **changes) -> Holder:
     return Holder.current()
 
 
+def holder_of(folder):
+    return json.loads((folder / LOCK).read_text())["process"]["pid"]
+
+
 def test_a_second_process_is_told_who_is_at_work_and_since_when(tmp_path, holder):
     with pytest.raises(InvalidInput) as refused, locked(tmp_path):
         pass
@@ -64,14 +68,14 @@ def test_the_lock_of_a_process_that_was_killed_is_taken_over(tmp_path, holder):
     holder.wait()
     assert (tmp_path / LOCK).exists()
     with locked(tmp_path):
-        assert json.loads((tmp_path / LOCK).read_text())["process"]["pid"] == os.getpid()
+        assert holder_of(tmp_path) == os.getpid()
     assert not list(tmp_path.iterdir())
 
 
 def test_a_lock_from_before_a_restart_of_the_machine_is_taken_over(tmp_path):
     sign(tmp_path, kernel="00000000", started="00000000")
     with locked(tmp_path):
-        pass
+        assert holder_of(tmp_path) == os.getpid()
 
 
 def test_a_lock_of_another_machine_is_refused_with_what_to_do(tmp_path):
@@ -88,7 +92,7 @@ def test_a_lock_of_another_machine_is_refused_with_what_to_do(tmp_path):
 def test_a_lock_that_says_nothing_and_is_free_is_taken(content, tmp_path):
     (tmp_path / LOCK).write_text(content)
     with locked(tmp_path):
-        pass
+        assert holder_of(tmp_path) == os.getpid()
 
 
 @pytest.mark.parametrize("alive", [True, False])
@@ -134,7 +138,7 @@ def test_a_forked_child_does_not_keep_the_lock_of_its_parent(tmp_path):
             os.read(ready, 1)  # until the parent closes it
             os._exit(0)
     with locked(tmp_path):  # while the child lives
-        pass
+        assert holder_of(tmp_path) == os.getpid()
     os.close(go)
     os.waitpid(child, 0)
     os.close(ready)

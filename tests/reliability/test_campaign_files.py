@@ -33,7 +33,7 @@ def test_killed_commands_lose_nothing_and_go_on(seed, tmp_path):
 
 @pytest.mark.parametrize("seed", [0, 4])  # a training, something short
 def test_a_disk_that_fails_is_a_sentence_and_tears_no_file(seed, tmp_path):
-    disks.trial(seed, tmp_path)
+    assert disks.trial(seed, tmp_path)["failed_writes"] > 0
 
 
 @pytest.mark.parametrize("seed", [1, 2, 49])  # 49: a compile cache
