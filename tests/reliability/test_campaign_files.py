@@ -1,5 +1,8 @@
 """The campaigns against files, for a few seeds: kills, disks that fail, damaged files."""
 
+import builtins
+import errno
+import io
 import os
 import signal
 import sys
@@ -15,7 +18,7 @@ pytest.importorskip("statsmodels")
 pytest.importorskip("stable_baselines3")
 
 from benchmarks.soak import damaged, disks, kills
-from benchmarks.soak.commands import whole
+from benchmarks.soak.commands import faults, whole
 from benchmarks.soak.commands.scenes import SCENES, check_end, check_files
 from benchmarks.soak.commands.server import server
 from benchmarks.soak.damage.mutations import damaged as damage
@@ -64,6 +67,21 @@ def test_every_injected_failure_strikes(tmp_path):
         assert ended.code == 1, ended
     ended = scene.run(tmp_path, ("size", 3000, 28))
     assert ended.code == 1, ended
+
+
+def test_what_is_there_can_be_read_while_the_disk_is_full(tmp_path, monkeypatch):
+    """Without end, zeros of ``/dev/full`` were read into memory until the system killed."""
+    for module in (builtins, io):  # they come back
+        monkeypatch.setattr(module, "open", io.open)
+    path = tmp_path / "a.zip"
+    path.write_bytes(b"what was there")
+    faults.install("write", 0, errno.ENOSPC, folder=str(tmp_path))
+    file = io.open(path, "r+b")  # noqa: UP020 - the one that was replaced
+    assert file.read(20) == b"what was there"
+    file.write(b"more")
+    with pytest.raises(OSError, match="No space"):
+        file.close()
+    assert path.read_bytes() == b"what was there"
 
 
 def test_a_child_that_is_killed_says_so_and_the_server_goes_on(tmp_path):

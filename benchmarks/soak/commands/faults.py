@@ -3,7 +3,8 @@
 Python tells an audit hook before it opens, renames, makes or removes something; the hook raises in
 place of the n-th such call in a folder. A file whose writing fails is opened, and then its
 descriptor leads to ``/dev/full``, which refuses whatever Python's own buffers or a library in C
-write to it. What opens files without Python is stopped by a limit of size.
+write to it; one that is read as well is refused by Python alone. What opens files without Python is
+stopped by a limit of size.
 """
 
 import builtins
@@ -90,14 +91,25 @@ def _divert(due: Callable[[], bool], folder: str) -> None:
     opened: Callable[..., Any] = io.open
 
     def diverting(file: Any, mode: str = "r", *rest: Any, **named: Any) -> Any:
+        strikes = bool(set(mode) & set("wax+")) and _is_inside(file, folder) and due()
+        if strikes and {*"b+"} <= {*mode}:
+            return io.BufferedRandom(_Full(file, mode.replace("b", "")))
         made = opened(file, mode, *rest, **named)
-        if set(mode) & set("wax+") and _is_inside(file, folder) and due():
-            full = os.open("/dev/full", os.O_RDWR)
+        if strikes:
+            full = os.open("/dev/full", os.O_WRONLY)
             os.dup2(full, made.fileno())
             os.close(full)
         return made
 
     builtins.open = io.open = diverting
+
+
+class _Full(io.FileIO):
+    """A file on a full disk, of which what is there can be read: ``/dev/full`` has zeros no end."""
+
+    def write(self, given: Any, /) -> int:
+        """Refuse it."""
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self.name)
 
 
 def _is_inside(place: Any, folder: str) -> bool:
