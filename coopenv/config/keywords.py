@@ -97,14 +97,15 @@ def _described_task(value: Mapping[str, Any], kind: type[Task]) -> Task:
 def read_observe(sensing: str | None, observe: Any, task: Task) -> tuple[Entry, ...]:
     """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``.
 
-    Where a name is that of one of the task's own blocks, the block itself takes its place; a block
-    that is one of `BLOCKS` becomes its name.
+    Where a name is that of one of the task's own blocks, the block itself takes its place, and so
+    it does for that block of a task with other numbers; a block that is one of `BLOCKS` becomes its
+    name.
     """
     own = {block.name: block for block in task.blocks}
-    if sensing is not None:
-        observe = _sensed(sensing, observe, tuple(task.blocks))
     if own and isinstance(observe, Sequence) and not isinstance(observe, str):
         observe = tuple(_of_task(entry, own) for entry in observe)
+    if sensing is not None:
+        observe = _sensed(sensing, observe, tuple(task.blocks))
     return tuple(_by_name(entry, own) for entry in find_blocks(observe))
 
 
@@ -136,9 +137,15 @@ def _check_one_sight(given: Mapping[str, Any]) -> None:
 
 
 def _of_task(entry: Any, own: Mapping[str, Block]) -> Any:
-    """The task's block of that name, or in that sensor; anything else as it is."""
+    """The task's block of that name, or in that sensor; anything else as it is.
+
+    A block of that name that reads as the task's does was that of a task before it, such as one
+    with another preview: its bounds are kept, the rest is as the task has it.
+    """
     if isinstance(entry, str):
         return own.get(entry, entry)
+    if isinstance(entry, Block) and entry.name in own and entry.read is own[entry.name].read:
+        return replace(own[entry.name], low=entry.low, high=entry.high)
     if isinstance(entry, Sensor):
         return replace(entry, block=_of_task(entry.block, own))
     if isinstance(entry, Mapping) and isinstance(entry.get("block"), str):  # as JSON has a sensor

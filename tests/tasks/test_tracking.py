@@ -1,5 +1,7 @@
 """The tracking task: its references, what is seen of them, when it is done, what it refuses."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -172,3 +174,13 @@ def test_a_reference_that_leaves_the_room_or_meets_an_obstacle_is_refused():
 def test_wrong_values_are_refused_by_name(fields, said):
     with pytest.raises((InvalidInput, UnknownName), match=said):
         TrackingTask(**fields)
+
+
+@pytest.mark.parametrize("held", [lambda block: block, lambda block: Sensor(block, noise=0.1)])
+def test_a_configuration_whose_task_is_replaced_looks_as_far_ahead_as_the_new_one(held):
+    before = config(task=TrackingTask(preview=(0.5,)), observe=("goal", held("preview")))
+    task = TrackingTask(preview=(0.1, 0.7))
+    after = dataclasses.replace(before, task=task)
+    assert after == config(task=task, observe=("goal", held("preview")))
+    sizes = [Transport(config=each).reset(seed=0)[0].shape[-1] for each in (before, after)]
+    assert sizes[1] == sizes[0] + 4

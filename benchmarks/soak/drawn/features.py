@@ -49,10 +49,10 @@ def any_environment(rng: np.random.Generator, most_worlds: int = MOST_WORLDS) ->
         if is_possible(env, tried):
             keywords = tried
     config = find_config(env, keywords)
-    if rng.random() < 0.2:
-        config = different_worlds(rng, env, keywords, num_worlds) or config
     if num_worlds > 20 and config.decomposition.solver == "conic":
         num_worlds = 20  # a millisecond a world
+    if rng.random() < 0.2:
+        config = different_worlds(rng, env, keywords, num_worlds) or config
     return Drawn(env, config, num_worlds)
 
 
