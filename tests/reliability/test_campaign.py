@@ -14,6 +14,7 @@ import pytest
 pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
+from benchmarks.soak import memory
 from benchmarks.soak.campaigns import CAMPAIGNS, chosen
 from benchmarks.soak.frame.ledger import FILE, Ledger, Shift, Trial
 from benchmarks.soak.frame.report import reproduction, table
@@ -193,3 +194,21 @@ def test_options_that_make_no_sense_are_refused():
         Soak(only="actions", write=True)
     with pytest.raises(InvalidInput, match="minutes must be positive"):
         Soak(minutes=0.0)
+
+
+def test_the_campaign_of_memory_tells_a_leak_and_forgives_a_pool_that_fills_late():
+    kept: list[object] = []
+    with pytest.raises(AssertionError, match=r"one a reset: \d+ objects more in each half of 100"):
+        memory.check_flat(lambda: kept.append([]), 10, 100, "one a reset")
+    files: list[int] = []
+    try:
+        with pytest.raises(AssertionError, match="descriptors more"):
+            memory.check_flat(lambda: files.append(os.dup(0)), 5, 20, "a file a reset")
+    finally:
+        for file in files:
+            os.close(file)
+    chunks: list[bytearray] = []
+    with pytest.raises(AssertionError, match="MB more"):
+        memory.check_flat(lambda: chunks.append(bytearray(b"x" * 2**20)), 5, 20, "a MB a reset")
+    pool: list[object] = []
+    memory.check_flat(lambda: pool.append([]) if len(pool) < 55 else None, 10, 100, "a pool")
