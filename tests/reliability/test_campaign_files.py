@@ -76,11 +76,14 @@ def test_what_is_there_can_be_read_while_the_disk_is_full(tmp_path, monkeypatch)
     path = tmp_path / "a.zip"
     path.write_bytes(b"what was there")
     faults.install("write", 0, errno.ENOSPC, folder=str(tmp_path))
-    file = io.open(path, "r+b")  # noqa: UP020 - the one that was replaced
-    assert file.read(20) == b"what was there"
-    file.write(b"more")
+
+    def add() -> None:
+        with path.open("r+b") as file:
+            assert file.read() == b"what was there"
+            file.write(b"more")
+
     with pytest.raises(OSError, match="No space"):
-        file.close()
+        add()
     assert path.read_bytes() == b"what was there"
 
 
