@@ -1,10 +1,10 @@
 """Campaign of adversarial actions on every environment, with all of its features drawn at random.
 
-A trial drives one batch of worlds for a while and looks at every step; then it replays the batch,
-to the bit, and drives one of its worlds alone until it touches something.
+A trial drives one batch of worlds for a while and looks at every step; then it replays the first
+steps, to the bit, and drives one of its worlds alone until it touches something.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,9 +22,10 @@ from coopenv.info import Info
 
 NAME = "actions"
 SHARE = 0.4
-WORLD_STEPS, EPISODES = 100_000, 1_000  # about so many a trial; beginning one takes milliseconds
+WORLD_STEPS, EPISODES = 400_000, 1_000  # about so many a trial; beginning one takes milliseconds
 BY_CONIC = 600  # where that solver decomposes, which takes milliseconds as well
-STEPS = 20, 400  # of a world, at least and at most
+STEPS, REPLAYED = (20, 1_000), 150  # of a world, at least and at most; the first are replayed
+MANY = 64  # worlds at least, in half of the trials
 ALONE = 1e-9  # [m, rad, m/s, rad/s] by which company may change a world, by rounding
 
 
@@ -38,39 +39,58 @@ class Ride(NamedTuple):
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:
-    """One batch, looked at, replayed, and one of its worlds alone."""
+    """One batch, looked at, its beginning replayed, and one of its worlds alone."""
     rng = np.random.default_rng([1, seed])
-    env, config, num_worlds = any_environment(rng)
+    env, config, num_worlds = any_environment(rng, fewest_worlds=int(rng.choice([1, MANY])))
     most = BY_CONIC if config.decomposition.solver == "conic" else WORLD_STEPS
-    most = min(most, EPISODES * config.horizon)
     steps = int(np.clip(most // num_worlds, *STEPS))
     core = Transport(num_worlds=num_worlds, config=config)
     plan = any_pushes(rng, steps, (num_worlds, len(core.learners), core.action_size))
-    early = rng.random((steps, num_worlds)) < rng.choice([0.0, 0.02])
+    early = rng.random((steps, num_worlds)) < rng.choice([0.0, 0.002, 0.02])
     in_step = bool(rng.random() < 0.5)
     watch = Watch(core, env)
-    seen, agains, poses, touched = [], [], [], []
+    seen, agains, poses, touched, begun = [], [], [], [], num_worlds
     for ride in drive(core, seed, plan, early, in_step=in_step):
         watch.look(*ride)
-        seen.append(digest(core, ride))
+        if len(seen) < REPLAYED:
+            seen.append(digest(core, ride))
         agains.append(ride.again)
         poses.append((core.world.pose, core.world.twist))
         touched.append((core.world.contact_impulse != 0) | (core.world.contact_shift != 0))
+        begun += int(ride.again.sum())
+        if begun >= num_worlds + EPISODES and len(agains) >= STEPS[0]:
+            break
     replay = Transport(num_worlds=num_worlds, config=config)
-    for step, ride in enumerate(drive(replay, seed, plan, early, in_step=in_step)):
-        same = digest(replay, ride)
-        other = [name for name in same if same[name] != seen[step].get(name)]
-        assert not other, f"{env}: a replay differs at step {step} in {', '.join(other)}"
+    some = plan[: len(seen)], early[: len(seen)]
+    check_replay(replay, drive(replay, seed, *some, in_step=in_step), seen, env)
     k = int(rng.integers(num_worlds))
     free = int(np.argmax([*(row[k] for row in touched), True]))  # steps before it touches anything
     alone = Transport(config=of_world(config, num_worlds, k))
-    own = np.array(agains)[:free, k : k + 1]
-    for step, _ in enumerate(drive(alone, seed + k, plan[:free, k : k + 1], own, in_step=in_step)):
-        for mine, theirs in zip((alone.world.pose, alone.world.twist), poses[step], strict=True):
-            off = np.abs(mine[0] - theirs[k]).max()
-            assert off <= ALONE, f"{env}: world {k} alone is {off:.1e} off at step {step}"
-    begun = num_worlds + int(np.sum(agains))
-    return {"steps": steps * num_worlds, "replayed": steps * num_worlds, "episodes": begun}
+    own = plan[:free, k : k + 1], np.array(agains)[:free, k : k + 1]
+    rides = drive(alone, seed + k, *own, in_step=in_step)
+    check_alone(alone, rides, [(pose[k], twist[k]) for pose, twist in poses], f"{env}: world {k}")
+    tried = {"steps": len(agains), "replayed": len(seen)}
+    return {name: count * num_worlds for name, count in tried.items()} | {"episodes": begun}
+
+
+def check_replay(
+    core: Transport, rides: Iterable[Ride], seen: Sequence[dict[str, int]], place: str
+) -> None:
+    """Raise unless every ride shows what was ``seen`` before, to the bit."""
+    for step, (ride, before) in enumerate(zip(rides, seen, strict=True)):
+        same = digest(core, ride)
+        other = [name for name in same if same[name] != before.get(name)]
+        assert not other, f"{place}: a replay differs at step {step} in {', '.join(other)}"
+
+
+def check_alone(
+    core: Transport, rides: Iterable[Ride], among: Sequence[tuple[FloatArray, ...]], place: str
+) -> None:
+    """Raise unless a world alone moves as it did ``among`` others."""
+    for step, _ in enumerate(rides):
+        for mine, theirs in zip((core.world.pose, core.world.twist), among[step], strict=True):
+            off = np.abs(mine[0] - theirs).max()
+            assert off <= ALONE, f"{place} alone is {off:.1e} off at step {step}"
 
 
 def drive(

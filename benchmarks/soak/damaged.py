@@ -7,6 +7,7 @@ beside it. A damaged cache of compiled code is made anew.
 import warnings
 from pathlib import Path
 from shutil import rmtree
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -17,9 +18,16 @@ from benchmarks.soak.damage.readers import READERS, Reader
 from coopenv.errors import CoopenvError
 
 NAME = "damaged"
-SHARE = 0.1
+SHARE = 0.06
 FILES = 12  # a trial
 CACHE = 0.05  # of the trials are about the cache of compiled code
+
+
+def warm_up() -> None:
+    """Read every kind of file once, whole: readers import torch, pyarrow and the like."""
+    for reader in READERS:
+        with TemporaryDirectory() as folder:
+            assert not is_refused(reader, reader.whole(), Path(folder)), reader.name
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:

@@ -24,11 +24,16 @@ from benchmarks.soak.commands.scenes import (
 from benchmarks.soak.commands.server import Ended, is_sentence
 
 NAME = "disks"
-SHARE = 0.1
+SHARE = 0.12
 FAULTS = 3  # a trial
 CALLS = {"open": 12, "write": 6, "fsync": 12, "rename": 6, "mkdir": 3}  # about so many in a command
 TRAINED = 4  # times as many in a training
 SIZES = 3.3, 5.3  # powers of ten between which the largest file lies [byte]; below, words are cut
+
+
+def warm_up() -> None:
+    """As commands on files do."""
+    training.warm_up()
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:

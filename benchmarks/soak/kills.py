@@ -24,12 +24,17 @@ from benchmarks.soak.commands.scenes import (
 from benchmarks.soak.commands.server import Ended, Task, is_sentence, server
 
 NAME = "kills"
-SHARE = 0.2
+SHARE = 0.3
 KILLS = 4  # a trial
 WAIT = 60.0  # [s] at most for its moment
 SIGNALS = (signal.SIGKILL, signal.SIGTERM)
 STOPPED = (128 + signal.SIGTERM, -signal.SIGTERM)  # exit codes of a command that was told to end
 TRAINED, COMPILED, COLD = 0.4, 0.15, 0.02  # of the trials; a cold start takes long
+
+
+def warm_up() -> None:
+    """As commands on files do."""
+    training.warm_up()
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:

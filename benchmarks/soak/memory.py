@@ -14,6 +14,7 @@ import numpy as np
 from benchmarks.soak.drawn.features import any_environment
 from benchmarks.soak.drawn.views import VIEWS, Repeat
 from benchmarks.soak.frame.worker import size_of_process
+from coopenv.envs.registry import find_config
 
 NAME = "memory"
 SHARE = 0.15
@@ -21,6 +22,15 @@ WARM, REPEATS, LIVES = 100, 400, 40  # episodes to begin with and then; views ma
 FEWER = 0.1  # objects a repeat that a cache may take; a leak takes at least one
 BYTES = 4 * 2**20  # by which half of it may grow: what is free comes back in large pieces only
 DESCRIPTORS = 0
+ENV = "coopenv/BeamTransport-v0"  # of the warm-up
+
+
+def warm_up() -> None:
+    """Use every view once: some import torch, Stable-Baselines3 or pygame when they are made."""
+    for make in VIEWS.values():
+        episode, close = make(ENV, find_config(ENV, {}), 2, 0)
+        episode()
+        close()
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:

@@ -17,7 +17,7 @@ from coopenv.wrench.pair import on_axis
 from tests.wrench.pair.reference import least_cost
 
 NAME = "wrenches"
-SHARE = 0.25
+SHARE = 0.12
 COUNT, FEW = 200, 4  # wrenches of a family for the solver that `auto` takes, and for others
 MISSING = {"pair": 1e-11, "structured": 1e-8, "conic": 1e-9}  # in parts of the wrench, at 1 m
 CLOSEST = 1e-14  # of the longest lever: closer grips may count as one, by rounding

@@ -1,10 +1,29 @@
 """What holds of a run's folder while it is trained in, and when it is done."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from benchmarks.soak.commands.scenes import RUN, TRAIN, Scene, check_end, undisturbed
+from benchmarks.soak.commands.scenes import (
+    RUN,
+    SCENES,
+    TRAIN,
+    Scene,
+    check_end,
+    input_of,
+    undisturbed,
+)
 from benchmarks.soak.commands.whole import table_rows
 from coopenv.agents.training.checkpoint import CHECKPOINT, POLICY, Checkpoint
+
+
+def warm_up() -> None:
+    """Make and read once what trials make and read: it imports torch, pyarrow and the like."""
+    for name in {name for scene in SCENES for name in scene.inputs}:
+        input_of(name)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / POLICY
+        path.write_bytes(input_of(POLICY))
+        Checkpoint.read(path)
 
 
 def check_progress(folder: Path, before: int) -> int:

@@ -37,10 +37,12 @@ def ids() -> list[str]:
     return sorted(name for name in gymnasium.registry if name.startswith(PREFIX))
 
 
-def any_environment(rng: np.random.Generator, most_worlds: int = MOST_WORLDS) -> Drawn:
-    """An id, up to ``most_worlds`` worlds, and each of `FEATURES` half of the time."""
+def any_environment(
+    rng: np.random.Generator, most_worlds: int = MOST_WORLDS, fewest_worlds: int = 1
+) -> Drawn:
+    """An id, that many worlds, and each of `FEATURES` half of the time."""
     env = str(rng.choice(ids()))
-    num_worlds = round(most_worlds ** rng.random())
+    num_worlds = round(fewest_worlds * (most_worlds / fewest_worlds) ** rng.random())
     keywords: dict[str, Any] = {}
     for draw in rng.permutation(np.array(FEATURES, dtype=object)):
         if rng.random() < 0.5:

@@ -1,7 +1,8 @@
 """What a campaign of the soak test is: a module with a name, a share of the time, and trials.
 
 A trial is a function of its seed: it draws everything from it, so that a failure is met again by
-its seed alone.
+its seed alone. A module may have its own ``TIMEOUT``, and a function ``warm_up`` that a worker
+calls before its first trial.
 """
 
 from pathlib import Path
@@ -31,6 +32,11 @@ class Campaign(Protocol):
         an `AssertionError` that says what broke; any other exception counts as a failure too.
         """
         ...
+
+
+def warm_up(campaign: Campaign) -> None:
+    """Load what its trials import and compile at first use, which no growth of a worker is."""
+    getattr(campaign, "warm_up", lambda: None)()
 
 
 def timeout_of(campaign: Campaign) -> float:

@@ -44,7 +44,7 @@ class Worker:
         self.alive, self._is_up, self._is_gone = True, False, False
 
     def wait(self) -> None:
-        """Until it has imported its campaign; if it never does, its first trial fails."""
+        """Until it has warmed up for its campaign; if it never does, its first trial fails."""
         try:
             self._is_up = self._pipe.poll(START) and self._pipe.recv() is None
         except (EOFError, OSError):

@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NamedTuple, cast
 
-from benchmarks.soak.frame.campaign import Campaign, timeout_of
+from benchmarks.soak.frame.campaign import Campaign, timeout_of, warm_up
 
 READ_EVERY = 1.0  # [s] between two readings of the process's size
 LINES, WIDTH = 6, 300  # of what is told of a failure
@@ -82,6 +82,7 @@ def serve(pipe: Connection, module: str, folder: Path, log: Path) -> None:
     faulthandler.enable(all_threads=False)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     campaign = cast(Campaign, import_module(module))
+    warm_up(campaign)
     pipe.send(None)  # it is up
     last = -READ_EVERY
     while (seed := pipe.recv()) is not None:
