@@ -8,7 +8,13 @@ from pathlib import Path
 NAME = "planted"
 SHARE = 1.0
 TIMEOUT = 3.0  # [s]
-WRONG, CRASHES, HANGS, EXITS, PRINTS = 2, 4, 6, 8, 9
+WRONG, CRASHES, HANGS, EXITS, PRINTS, COLD = 2, 4, 6, 8, 9, 10
+warmed: list[int] = []
+
+
+def warm_up() -> None:
+    """A trial of the seed `COLD` needs it."""
+    warmed.append(os.getpid())
 
 
 def trial(seed: int, folder: Path) -> dict[str, int]:
@@ -23,6 +29,8 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
         time.sleep(3600)
     if seed == EXITS:
         os._exit(7)
+    if seed == COLD:
+        assert warmed == [os.getpid()], "the worker was not warmed up, or more than once"
     if seed == PRINTS:
         print("noise")
     time.sleep(0.1)
