@@ -57,12 +57,14 @@ def _kill_command(scene: Scene, rng: np.random.Generator, folder: Path) -> int:
     old = scene.prepare(folder, rng)
     kills = steps = 0
     for _ in range(KILLS):
+        before = left_over(folder)
         ended = killed(scene.task(folder), rng, undisturbed(scene).seconds)
         try:
             check_words(ended)
             check_files(scene, folder, old)
             if ended.code > 0:  # it cleaned up behind itself
-                check_clean(folder)
+                left = left_over(folder) - before  # a killed one's stay until that file is written
+                assert not left, f"SIGTERM leaves {', '.join(left)}"
             if scene.is_training:
                 steps = training.check_progress(folder, steps)
         except AssertionError as error:
@@ -110,7 +112,6 @@ def check_words(ended: Ended) -> None:
     assert "Traceback" not in ended.err, f"a kill shows a traceback: {ended}"
 
 
-def check_clean(folder: Path) -> None:
-    """Raise where temporary files are left."""
-    left = [name for name in files_in(folder) if is_left_over(name)]
-    assert not left, f"SIGTERM leaves {', '.join(left)}"
+def left_over(folder: Path) -> set[str]:
+    """Names of temporary files that are there."""
+    return {name for name in files_in(folder) if is_left_over(name)}

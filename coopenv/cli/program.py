@@ -11,7 +11,7 @@ from typing import Protocol
 from coopenv.cli import terminal, version
 from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
-from coopenv.cli.signals import TERMINATED, interrupted_by_termination
+from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
 from coopenv.errors import CoopenvError
@@ -56,12 +56,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     terminal.make_legible()
     given = list(sys.argv[1:] if arguments is None else arguments)
     with interrupted_by_termination() as told:
-        code = _answered(given)
+        code = _answered(given, told)
     return code if told.since is None or code != INTERRUPTED else TERMINATED
 
 
-def _answered(given: Sequence[str]) -> int:
-    """Run a command; the exit code."""
+def _answered(given: Sequence[str], told: Termination) -> int:
+    """Run a command; the exit code.
+
+    Compiled code may make an error of its own of an interruption: what breaks off a command that
+    was told to end is one, and is named.
+    """
     try:
         _run(given)
         terminal.flush()
@@ -72,15 +76,27 @@ def _answered(given: Sequence[str]) -> int:
         return _failed(str(error))
     except OSError as error:
         return _failed(str(file_trouble(error)))
-    except (MemoryError, RuntimeError) as error:
+    except KeyboardInterrupt as stop:
+        return _interrupted(str(stop) or "interrupted")
+    except Exception as error:
+        if told.is_told:
+            return _interrupted(_named(error, told))
         if not _is_out_of_memory(error):
             raise
         return _failed(f"memory must suffice, got: {error}; use fewer worlds, steps or units")
-    except KeyboardInterrupt as stop:
-        said = str(stop) or "interrupted"
-        print(f"{PROGRAM}: {said}", file=sys.stderr)
-        return INTERRUPTED
     return 0
+
+
+def _interrupted(said: str) -> int:
+    print(f"{PROGRAM}: {said}", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _named(error: Exception, told: Termination) -> str:
+    """What to say of an error that took the place of an interruption."""
+    word = "interrupted" if told.since is None else "terminated"
+    first = str(error).partition("\n")[0]
+    return f"{word}, while {type(error).__name__}: {first}" if first else word
 
 
 def _run(arguments: Sequence[str]) -> None:
@@ -102,4 +118,5 @@ def _failed(why: str) -> int:
 
 def _is_out_of_memory(error: Exception) -> bool:
     """Whether memory did not suffice; torch says so by a RuntimeError."""
-    return isinstance(error, MemoryError) or "t allocate memory" in str(error)
+    of_torch = isinstance(error, RuntimeError) and "t allocate memory" in str(error)
+    return of_torch or isinstance(error, MemoryError)

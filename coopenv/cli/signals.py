@@ -21,9 +21,20 @@ Handler = Callable[[int, FrameType | None], None]
 
 @dataclass(slots=True)
 class Termination:
-    """Whether the process was told to end."""
+    """Whether the process was told to end, by SIGTERM or by Ctrl-C."""
 
-    since: float | None = None  # of the monotonic clock [s]
+    since: float | None = None  # of the monotonic clock [s]; when SIGTERM came
+    asked: bool = False  # by Ctrl-C
+
+    @property
+    def is_told(self) -> bool:
+        """Whether either came."""
+        return self.asked or self.since is not None
+
+    def ask(self, number: int, frame: FrameType | None) -> None:
+        """Interrupt what is done, as Python does at Ctrl-C."""
+        self.asked = True
+        signal.default_int_handler(number, frame)
 
     def handle(self, number: int, frame: FrameType | None) -> None:
         """Interrupt what is done as Ctrl-C would; a later signal ends the process at once."""
@@ -50,7 +61,7 @@ def interrupted_by_termination() -> Iterator[Termination]:
         if before[signal.SIGTERM] not in (signal.SIG_IGN, None):  # None: set by no Python code
             handlers[signal.SIGTERM] = _OutsideDestructors(told.handle)
         if before[signal.SIGINT] is signal.default_int_handler:
-            handlers[signal.SIGINT] = _OutsideDestructors(signal.default_int_handler)
+            handlers[signal.SIGINT] = _OutsideDestructors(told.ask)
     for number, handler in handlers.items():
         signal.signal(number, handler)
     try:

@@ -106,6 +106,27 @@ def test_a_study_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
     assert not [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
+@pytest.mark.parametrize(
+    ("number", "code", "said"),
+    [(signal.SIGTERM, 143, "terminated"), (signal.SIGINT, 130, "interrupted")],
+)
+def test_an_error_that_compiled_code_makes_of_a_signal_is_named_and_no_fault_of_ours(
+    number, code, said, tmp_path, monkeypatch, capsys
+):
+    def swallowed(*_, **__):
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(5)
+        except KeyboardInterrupt:
+            raise ValueError("Invalid bounding box") from None
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", swallowed)
+    assert cli.main(["study", "beam", f"--out={tmp_path}"]) == code
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == f"coopenv: {said}, while ValueError: Invalid bounding box"
+    assert not [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
 def test_a_second_signal_ends_the_process_at_once():
     with subprocess.Popen(
         [sys.executable, "-c", PATIENT], stdout=subprocess.PIPE, text=True
