@@ -2,6 +2,7 @@
 
     python -m benchmarks.soak                            # an hour; after a kill the same goes on
     python -m benchmarks.soak --only actions --seed 12   # one trial, with its traceback
+    python -m benchmarks.soak --again                    # begins with what failed, now mended
     python -m benchmarks.soak --write                    # and the table into docs/reliability.md
 
 Failures are told as they come, each with the command that meets it again.

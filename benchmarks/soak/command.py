@@ -41,6 +41,7 @@ class Soak:
     first_seed: int = 0  # of every campaign
     trials: int | None = None  # of each campaign, at most
     also: tuple[str, ...] = ()  # modules of further campaigns
+    again: bool = False  # begin with the trials that failed, once what they found is mended
     fresh: bool = False  # forget the run in the folder
     write: bool = False  # the table into docs/reliability.md
 
@@ -110,6 +111,7 @@ def run_all(soak: Soak, ledger: Ledger, campaigns: Sequence[Campaign], console: 
             workers=soak.workers,
             first_seed=soak.first_seed,
             trials=soak.trials,
+            again=soak.again,
             tell=tell,
         )
         for trial in ledger.failures:

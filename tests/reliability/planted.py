@@ -21,7 +21,7 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
     """Break in the way of the seed; others count one step in a tenth of a second."""
     assert not list(folder.iterdir())
     (folder / "left").write_text("behind")
-    if seed == WRONG:
+    if seed == WRONG and "PLANTED_MENDED" not in os.environ:
         raise AssertionError(f"world 3 left its room at step {seed}\n" + "and more\n" * 30)
     if seed == CRASHES:
         ctypes.string_at(0)

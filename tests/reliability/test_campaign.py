@@ -120,6 +120,19 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path):
     assert not (tmp_path / "trials").exists()
 
 
+def test_what_failed_is_tried_again_once_it_is_mended_and_stays_in_the_table(tmp_path, monkeypatch):
+    options = ("--first-seed", str(planted.WRONG), "--trials", "2", "--workers", "1")
+    out, _ = start(tmp_path, *options).communicate(timeout=300)
+    assert "| planted | 2 | 1 | 1 steps |" in out
+    monkeypatch.setenv("PLANTED_MENDED", "1")
+    out, _ = start(tmp_path, *options).communicate(timeout=300)
+    assert "| planted | 2 | 1 | 1 steps |" in out
+    again = start(tmp_path, *options, "--again")
+    out, err = again.communicate(timeout=300)
+    assert again.returncode == 0, out + err
+    assert "| planted | 3 | 0 (1 mended) | 2 steps |" in out
+
+
 def until(holds, run: subprocess.Popen[str]) -> None:
     """Wait until it holds, while the process runs."""
     while not holds():

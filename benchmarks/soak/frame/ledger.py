@@ -127,8 +127,18 @@ class Ledger:
 
     @property
     def failures(self) -> list[Trial]:
-        """Trials in which something broke."""
-        return [trial for trial in self.trials if trial.failure is not None]
+        """Trials in which something broke, and did so when they were last tried."""
+        last = {(trial.campaign, trial.seed, trial.is_shift): trial for trial in self.trials}
+        return [trial for trial in last.values() if trial.failure is not None]
+
+    @property
+    def ever_failed(self) -> set[tuple[str, int, bool]]:
+        """Campaign, seed and ``is_shift`` of trials in which something broke at any time."""
+        return {
+            (trial.campaign, trial.seed, trial.is_shift)
+            for trial in self.trials
+            if trial.failure is not None
+        }
 
     def of(self, campaign: str) -> list[Trial]:
         """Its trials."""

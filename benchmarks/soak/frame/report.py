@@ -13,7 +13,7 @@ PACKAGES = ("coopenv", "numpy", "numba", "pymunk", "gymnasium", "stable-baseline
 COLUMNS = (
     "campaign",
     "trials",
-    "of them failed",
+    "failed",
     "what was tried",
     "worker minutes",
     "most that grew",
@@ -41,12 +41,13 @@ def table(ledger: Ledger, campaigns: Sequence[Campaign]) -> str:
 def _row(ledger: Ledger, campaign: Campaign) -> list[str]:
     name = campaign.NAME
     trials = ledger.of(name)
-    failed = sum(trial.campaign == name for trial in ledger.failures)
+    failing = sum(trial.campaign == name for trial in ledger.failures)
+    mended = sum(campaign == name for campaign, _, _ in ledger.ever_failed) - failing
     counts = totals(trials)
     return [
         name,
         f"{len(trials):,}",
-        f"{failed:,}",
+        f"{failing:,}" + (f" ({mended:,} mended)" if mended else ""),
         ", ".join(f"{number:,} {what.replace('_', ' ')}" for what, number in counts.items()),
         f"{sum(trial.seconds for trial in trials) / 60:.1f}",
         _growth(shift for shift in ledger.shifts if shift.campaign == name),

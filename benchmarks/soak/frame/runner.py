@@ -41,6 +41,8 @@ class Runner:
         Of every campaign.
     trials
         Of each campaign at most; ``None``: as many as there is time for.
+    again
+        Whether to begin with the trials that failed.
     tell
         Called with every failure.
     """
@@ -55,13 +57,19 @@ class Runner:
         workers: int,
         first_seed: int,
         trials: int | None,
+        again: bool,
         tell: Callable[[Trial], None],
     ):
         self._ledger, self._campaigns, self._tell = ledger, campaigns, tell
         self._seconds, self._folder, self._workers = seconds, folder, workers
         self._seeds: dict[str, Iterator[int]] = {}
+        open_ = {(trial.campaign, trial.seed) for trial in ledger.failures if again}
         for campaign in campaigns:
-            done = {trial.seed for trial in ledger.of(campaign.NAME)}
+            done = {
+                trial.seed
+                for trial in ledger.of(campaign.NAME)
+                if (campaign.NAME, trial.seed) not in open_
+            }
             every = itertools.islice(itertools.count(first_seed), trials)
             self._seeds[campaign.NAME] = itertools.filterfalse(done.__contains__, every)
         self._lock, self._stopped = threading.RLock(), threading.Event()
