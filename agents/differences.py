@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from coopenv.config import TransportConfig
-from coopenv.rewards import PRESETS, find_reward
+from coopenv.rewards import COSTS, PRESETS, find_reward
 
 from .partners import PARTNERS
 
@@ -75,6 +75,9 @@ def _known_name(field: str, config: TransportConfig) -> str | None:
     """What the field's value is called where names are given, if it is one of those."""
     if field == "reward":
         return next((name for name in PRESETS if find_reward(name) == config.reward), None)
+    if field == "cost":
+        known = {**COSTS, **PRESETS}
+        return next((name for name, cost in known.items() if cost == config.cost), None)
     if field == "partner":
         return next((name for name, kind in PARTNERS.items() if kind == config.partner), None)
     return None

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
-from coopenv.info import Info
+from coopenv.info import COST, Info
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,34 +30,36 @@ class Episodes:
     load_imbalance: FloatArray  # (episode,): of force; 0: all carry alike, 1: one carries all
     contact_impulse: FloatArray  # (episode,): sum [N·s]
     reward_terms: dict[str, FloatArray] = field(default_factory=dict)  # (episode, agent): sums
+    costs: dict[str, FloatArray] = field(default_factory=dict)  # likewise, named as infos name them
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """Several lots of episodes as one."""
-        return cls(
-            **{
-                name: np.concatenate([getattr(part, name) for part in parts])
-                for name in _arrays(cls)
-            },
-            reward_terms={
-                name: np.concatenate([part.reward_terms[name] for part in parts])
-                for name in parts[0].reward_terms
-            },
-        )
+        joined: dict[str, Any] = {
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in _arrays(cls)
+        }
+        for group in _GROUPS:
+            joined[group] = {
+                name: np.concatenate([getattr(part, group)[name] for part in parts])
+                for name in getattr(parts[0], group)
+            }
+        return cls(**joined)
 
     def pick(self, episodes: IntArray) -> Self:
         """Only the given episodes, in the given order."""
-        return replace(
-            self,
-            **{name: getattr(self, name)[episodes] for name in _arrays(type(self))},
-            reward_terms={name: term[episodes] for name, term in self.reward_terms.items()},
-        )
+        picked: dict[str, Any] = {
+            name: getattr(self, name)[episodes] for name in _arrays(type(self))
+        }
+        for group in _GROUPS:
+            picked[group] = {name: term[episodes] for name, term in getattr(self, group).items()}
+        return replace(self, **picked)
 
 
 def _arrays(kind: type[Episodes]) -> list[str]:
-    return [entry.name for entry in fields(kind) if entry.name != "reward_terms"]
+    return [entry.name for entry in fields(kind) if entry.name not in _GROUPS]
 
 
+_GROUPS = ("reward_terms", "costs")  # dictionaries of arrays
 _MEANS = ("relative_cost", "wasted_cost", "internal_force_level", "internal_torque_level")
 
 
@@ -70,6 +72,7 @@ class EpisodeSums:
         self._success = np.zeros(num_worlds, dtype=np.bool_)
         self._sums: dict[str, FloatArray] = {}
         self._terms: dict[str, FloatArray] = {}
+        self._costs: dict[str, FloatArray] = {}
 
     def add(self, reward: FloatArray, info: Info) -> None:
         """Add a step, given what `coopenv.Transport.step` returned."""
@@ -90,12 +93,16 @@ class EpisodeSums:
         }
         _accumulate(self._sums, steps)
         _accumulate(self._terms, info["reward_terms"])
+        if COST in info:
+            parts = {f"{COST}/{name}": part for name, part in info["cost_terms"].items()}
+            _accumulate(self._costs, {COST: info[COST], **parts})
 
     def take(self, worlds: IntArray) -> Episodes:
         """Episodes that ended in ``worlds``; their sums start from zero again."""
         length = self._length[worlds].copy()
         sums = {name: _taken(total, worlds) for name, total in self._sums.items()}
         terms = {name: _taken(total, worlds) for name, total in self._terms.items()}
+        costs = {name: _taken(total, worlds) for name, total in self._costs.items()}
         self._length[worlds] = 0
         defined = sums["force_defined"]
         return Episodes(
@@ -107,6 +114,7 @@ class EpisodeSums:
             load_imbalance=_mean(sums["load_imbalance"], defined[:, 0]),
             contact_impulse=sums["contact_impulse"],
             reward_terms=terms,
+            costs=costs,
             **{name: sums[name] / length for name in _MEANS},
         )
 

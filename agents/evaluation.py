@@ -14,6 +14,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import written
+from coopenv.info import COST
 
 from .episodes import Episodes
 
@@ -32,6 +33,7 @@ COLUMNS = (  # of the printed table, with units
     ("share", "force"),
     ("skew", "0-1"),
 )
+COST_COLUMN = ("cost", "sum")  # instead of the last, where there is one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +60,7 @@ class Evaluation:
     torque_load_share: tuple[float, ...]
     load_imbalance: float  # of force; 0: all carry alike in every step, 1: one carries all
     contact_impulse: float  # [N·s] an episode
+    cost: float = nan  # of an episode, undiscounted, mean over the team; NaN without one
 
     @classmethod
     def of(
@@ -91,6 +94,7 @@ class Evaluation:
             torque_load_share=_defined_means(seen.torque_load_share),
             load_imbalance=_defined_means(seen.load_imbalance[:, None])[0],
             contact_impulse=float(seen.contact_impulse.mean()),
+            cost=float(seen.costs[COST].mean()) if COST in seen.costs else nan,
         )
 
 
@@ -127,8 +131,9 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
         pad_edge=False,
     )
     made.add_column("policy", min_width=11, overflow="fold")
-    for name, unit in COLUMNS:  # only the shares of a large team may go on in a second line
-        wide = name == "share"
+    has_cost = any(not isnan(seen.cost) for seen in evaluations)
+    for name, unit in (*COLUMNS[:-1], COST_COLUMN if has_cost else COLUMNS[-1]):
+        wide = name == "share"  # only the shares of a large team may go on in a second line
         made.add_column(f"{name}\n{unit}", justify="right", no_wrap=not wide, overflow="fold")
     for seen in evaluations:
         low, high = seen.success_interval
@@ -142,7 +147,7 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
             f"{seen.internal_force_level:.2f}",
             f"{seen.internal_torque_level:.2f}",
             ":".join(f"{share:.2f}" for share in seen.force_load_share),
-            f"{seen.load_imbalance:.2f}",
+            f"{seen.cost:.3g}" if has_cost else f"{seen.load_imbalance:.2f}",
         )
     return made
 

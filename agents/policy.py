@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, IntArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.transition import Transition
 from coopenv.transport import Transport
@@ -19,6 +19,8 @@ class Policy(Protocol):
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, learner, action_size)`` in [−1, 1], agent frame.
+
+        Where actions are discrete, numbers of pushes ``(world, learner)``.
 
         Learners are the agents that no partner drives: without one, all.
 
@@ -107,15 +109,18 @@ class RandomPolicy:
 
     def __init__(self, config: TransportConfig, seed: int = 0):
         self._keys = EpisodeKeys(seed)
-        self._width = ACTIONS[config.action]
+        self._width, self._table = ACTIONS[config.action], config.table
 
     def seed_episodes(self, seeds: IntArray) -> None:
         """Seeds ``(world,)`` of the episodes that begin in every world now."""
         self._keys.seed(seeds)
 
-    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, agent, action_size)``."""
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
+        """Actions ``(world, agent, action_size)``, or numbers of pushes ``(world, agent)``."""
         num_worlds, num_agents, _ = obs.shape
         self._keys.follow(transition)
+        if self._table is not None:
+            drawn = uniforms(self._keys.of_step(transition), num_agents)
+            return (drawn * len(self._table)).astype(np.int64)
         drawn = uniforms(self._keys.of_step(transition), num_agents * self._width)
         return 2 * drawn.reshape(num_worlds, num_agents, self._width) - 1

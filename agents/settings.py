@@ -38,12 +38,18 @@ class EnvironmentChoice:
     """Gymnasium id."""
     reward: str | None = None
     """Preset of coopenv.rewards: task, harmony, balanced, sparse, tracking."""
+    cost: str | None = None
+    """What is told as a cost beside the reward: contact, squeeze, waste (coopenv.rewards.COSTS)."""
     observe: tuple[str, ...] | None = None
     """Observation blocks, for example: goal twist own_wrench."""
     sensing: Literal["own", "shared"] | None = None
     """Instead of observe: what an agent senses by itself, or the partners' senses too."""
-    action: Literal["wrench", "force"] | None = None
-    """What an agent gives: forces and torque, or forces alone."""
+    bounded: bool | None = None
+    """Whether every feature has a finite bound, to which readings are clipped."""
+    action: Literal["wrench", "force", "discrete"] | None = None
+    """What an agent gives: forces and torque, forces alone, or the number of a push."""
+    pushes: str | None = None
+    """Which pushes there are for discrete actions: axes, fine, compass, grid."""
     horizon: int | None = None
     """Control steps after which an episode is truncated."""
     partner: str | None = None

@@ -21,6 +21,7 @@ from coopenv.envs.common import (
     team_observation_space,
 )
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
+from coopenv.info import COST
 from coopenv.rewards.sums import check_finite
 from coopenv.transport import Transport
 
@@ -48,12 +49,16 @@ class TransportVecEnv(VecEnv):
     ``partner``   world           the learner's      the learner's    the learner's
     ============  ==============  =================  ===============  ====================
 
+    With ``action="discrete"`` the action is the number of a push, ``Discrete``, or one an agent,
+    ``MultiDiscrete``.
+
     Agents, and their number n, are those whom no partner drives.
 
     Infos are empty but in the step that ends an episode; there they hold ``is_success``,
     ``terminal_observation``, ``TimeLimit.truncated`` and ``episode``: ``r`` return, ``l`` length
     [steps], ``t`` seconds since the start, then means over the episode's steps (`Episodes`) and,
-    as ``reward/<term>``, the sum of each reward term.
+    as ``reward/<term>``, the sum of each reward term; if there is a cost, ``cost`` and
+    ``cost/<term>`` likewise. Then the infos of every step hold ``cost``, over whom the reward is.
 
     The rows share one object, so attributes are set and methods called once for all of them.
 
@@ -85,9 +90,8 @@ class TransportVecEnv(VecEnv):
         self._sums = EpisodeSums(self.transport.num_worlds, self.transport.num_agents)
         self._start_time = time.perf_counter()
         self._action: npt.NDArray = np.empty(0)
-        joint = control != "shared"
-        observation = team_observation_space if joint else agent_observation_space
-        action = team_action_space if joint else agent_action_space
+        observation = agent_observation_space if control == "shared" else team_observation_space
+        action = team_action_space if control == "joint" else agent_action_space
         super().__init__(
             self.transport.num_worlds * self._rows,
             observation(self.transport),
@@ -127,12 +131,14 @@ class TransportVecEnv(VecEnv):
         self._sums.add(reward, info)
         done = terminated | truncated
         infos: list[dict] = [{} for _ in range(self.num_envs)]
+        if self.transport.cost is not None:
+            infos = [{COST: cost} for cost in self._of_rows(info[COST]).tolist()]
         if done.any():
             worlds = np.flatnonzero(done)
             self._report(infos, worlds, self._sums.take(worlds), obs, truncated)
             obs, _ = self.transport.reset(mask=done)
-        rewards = reward.reshape(-1) if self.control == "shared" else reward.mean(axis=1)
-        return self._by_row(obs), rewards.astype(np.float32), np.repeat(done, self._rows), infos
+        rewards = self._of_rows(reward).astype(np.float32)
+        return self._by_row(obs), rewards, np.repeat(done, self._rows), infos
 
     def to_notes(self) -> dict[str, Any]:
         """What the file of a policy that learns in it is to say (`coopenv.agents.provenance`).
@@ -189,6 +195,10 @@ class TransportVecEnv(VecEnv):
         """One picture a world."""
         return [self._pictures.draw(world) for world in range(self.transport.num_worlds)]
 
+    def _of_rows(self, value: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """What is ``(world, learner)`` as ``(row,)``, of a team its mean."""
+        return value.reshape(-1) if self.control == "shared" else value.mean(axis=1)
+
     def _by_row(self, obs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         return obs.reshape(self.num_envs, -1)
 
@@ -244,4 +254,5 @@ def _statistics(ended: Episodes, number: int, agents: slice) -> dict[str, float]
             f"reward/{name}": float(total[number, agents].mean())
             for name, total in ended.reward_terms.items()
         },
+        **{name: float(total[number, agents].mean()) for name, total in ended.costs.items()},
     }

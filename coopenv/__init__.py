@@ -14,6 +14,7 @@ from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, Player, name_partners
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
+from coopenv.pushes import PUSHES
 from coopenv.randomisation import Ranges
 from coopenv.tasks import (
     DoorwayTask,
@@ -32,6 +33,7 @@ __version__ = version("coopenv")
 
 __all__ = [
     "BLOCKS",
+    "PUSHES",
     "Block",
     "Body",
     "Box",

@@ -124,7 +124,7 @@ class DrivenByPartner(DrivenAgents):
 
 
 def read_action(
-    action: npt.ArrayLike, shape: tuple[int, int, int], restart: BoolArray | None
+    action: npt.ArrayLike, shape: tuple[int, ...], restart: BoolArray | None
 ) -> FloatArray:
     """The learners' actions ``(world, learner, action_size)``, 0 in worlds that ``restart`` marks.
 

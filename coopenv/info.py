@@ -4,6 +4,7 @@ The keys, shapes and dtypes of a reset are those of every step, and every value 
 array of numbers, so that any library can stack them. Nothing in them is NaN.
 """
 
+from collections.abc import Iterable, Mapping
 from typing import Any, Self
 
 import numpy as np
@@ -12,8 +13,13 @@ from coopenv.arrays import FloatArray, IntArray, with_rows
 from coopenv.compiled import gufunc
 from coopenv.transition import Transition
 
-REWARD, BODY = "reward/", "body/"  # what keys of a group begin with
-GROUPS = {"reward_terms": REWARD, "body": BODY}  # what indexing gives as a dictionary of its own
+REWARD, BODY, COST = "reward/", "body/", "cost"  # what keys of a group begin with
+CLIPPED = "observation_clipped"
+GROUPS = {  # what indexing gives as a dictionary of its own
+    "reward_terms": REWARD,
+    "body": BODY,
+    "cost_terms": f"{COST}/",
+}
 POSES = ("partner_plan",)  # three numbers a world, not one an agent
 
 
@@ -21,9 +27,10 @@ class Info(dict[str, Any]):
     """What an environment tells beside the observation: names and numbers.
 
     ``info["reward_terms"]`` is the dictionary of all ``info["reward/<term>"]``, and
-    ``info["body"]``, where bodies are randomised, that of all ``info["body/<number>"]``. Both are
-    made when they are asked for: they are no entries, and nothing that goes through the entries
-    meets them.
+    ``info["body"]``, where bodies are randomised, that of all ``info["body/<number>"]``; where
+    there is a cost, ``info["cost_terms"]`` is that of all ``info["cost/<term>"]``. They are made
+    when they are asked for: they are no entries, and nothing that goes through the entries meets
+    them.
 
     >>> info = Info({"success": False, "reward/progress": 0.25})
     >>> info["reward_terms"]
@@ -84,10 +91,30 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     return info
 
 
-def start_info(start: Transition, reward_names: tuple[str, ...], num_learners: int) -> Info:
+def start_info(
+    start: Transition,
+    reward_names: Iterable[str],
+    num_learners: int,
+    cost_names: Iterable[str] | None = None,
+) -> Info:
     """Infos at the start of an episode: as after a step in which nothing was applied or earned."""
     nothing = np.zeros((len(start.applied), num_learners))
-    return step_info(start, {name: nothing.copy() for name in reward_names})
+    info = step_info(start, {name: nothing.copy() for name in reward_names})
+    if cost_names is not None:
+        info.update(cost_info(nothing, {name: nothing for name in cost_names}))
+    return info
+
+
+def cost_info(total: FloatArray, parts: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """What a sum of terms takes, ``(world, learner)``, as ``cost`` and by term ``cost/<term>``."""
+    told = {COST: 0.0 - total}
+    told.update({f"{COST}/{name}": 0.0 - part for name, part in parts.items()})
+    return told
+
+
+def is_of_learners(name: str) -> bool:
+    """Whether a value has a row for each agent that learns, rather than for each agent."""
+    return name.startswith(REWARD) or name == COST or name.startswith(f"{COST}/")
 
 
 def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:

@@ -162,9 +162,14 @@ class Variations:
             limits[:, column] = rest[number * num_agents : (number + 1) * num_agents]
         return copied(self._body, values), limits
 
+    def ends(self) -> tuple[tuple[Body, FloatArray], tuple[Body, FloatArray]]:
+        """Body and limits with everything at its lowest, and with everything at its highest."""
+        return self([0.0] * self.count), self([1.0] * self.count)
+
     def extremes(self) -> tuple[Body, Body]:
         """The body with everything at its lowest, and with everything at its highest."""
-        return self([0.0] * self.count)[0], self([1.0] * self.count)[0]
+        (lowest, _), (highest, _) = self.ends()
+        return lowest, highest
 
     def samples(self) -> list[Body]:
         """Bodies from the ends and the inside of the ranges, without a generator."""

@@ -12,12 +12,13 @@ from coopenv.config import ACTIONS, TransportConfig
 from coopenv.driven import driven_agents, read_action
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.geometry import frames
-from coopenv.info import Info, copied, start_info, step_info, with_worlds
+from coopenv.info import CLIPPED, Info, copied, cost_info, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.physics.threads import one_thread_at_a_time
 from coopenv.physics.world import World
+from coopenv.pushes import pushed
 from coopenv.resets import (
     Draws,
     Seed,
@@ -53,11 +54,16 @@ class Transport:
     conditions
         Bodies, scenes, team and plans of the episodes under way.
     dt, substeps, horizon, num_worlds, num_agents, action_size
-        Read from the configuration.
+        Read from the configuration; ``action_size`` is how many numbers make a push.
+    table
+        ``(push, 3)``: the pushes that discrete actions are numbers of; ``None`` without these.
+    action_shape
+        Of the actions of a step: ``(world, learner, action_size)``, or ``(world, learner)`` if they
+        are numbers of pushes.
     learners
         Numbers of the agents that actions, observations and rewards are of, in this order: all,
-        or those that ``config.partner`` does not drive. Infos are of all agents, but
-        ``reward/<term>``.
+        or those that ``config.partner`` does not drive. Infos are of all agents, but reward terms
+        and cost.
     transition
         The last step, or the start; ``None`` before the first reset, and after a step or a reset
         that broke off in the middle.
@@ -93,8 +99,13 @@ class Transport:
         self.action_size = ACTIONS[self.config.action]
         self.dt, self.substeps = self.config.dt, self.config.substeps
         self.horizon = self.config.horizon
-        self.reward = self.config.terms
-        self.observation = Observation(self.config.observe, self.num_agents, self.num_worlds)
+        self.table = self.config.table
+        shape = self.num_worlds, len(self.learners)
+        self.action_shape = shape if self.table is not None else (*shape, self.action_size)
+        self.reward, self.cost = self.config.terms, self.config.costs
+        self.observation = Observation(
+            self.config.observe, self.num_agents, self.num_worlds, self.config.bounds()
+        )
         self._draws = Draws(self.config, self.num_worlds)
         self.conditions = self._draws.first()
         self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
@@ -204,8 +215,11 @@ class Transport:
             drawn_pose if pose is None else pose[worlds],
             drawn_goal if goal is None else goal[worlds],
         )
-        obs = self.driven.of_learners(self.observation(start, worlds))
-        info = start_info(start, tuple(self.reward), len(self.learners))
+        seen, clipped = self.observation.read(start, worlds)
+        obs = self.driven.of_learners(seen)
+        info = start_info(start, self.reward, len(self.learners), self.cost)
+        if clipped is not None:
+            info[CLIPPED] = clipped
         self.driven.begin(worlds, self.generators, start)
         if before is None or len(worlds) == self.num_worlds:
             self.transition = start
@@ -225,7 +239,8 @@ class Transport:
         Parameters
         ----------
         action
-            ``(world, learner, action_size)``, agent frame; clipped to [−1, 1].
+            ``(world, learner, action_size)``, agent frame; clipped to [−1, 1]. With
+            ``action="discrete"`` numbers of pushes ``(world, learner)``, which are not clipped.
         restart
             ``(world,)`` bool: worlds that begin a new episode in this step. Their action is
             ignored, their reward is zero and their observation is the first of the episode.
@@ -238,8 +253,8 @@ class Transport:
         Raises
         ------
         InvalidInput
-            If the action has the wrong shape, is not finite or of no real numbers, or ``restart``
-            is not one boolean a world; nothing has moved then.
+            If the action has the wrong shape, is not finite or of no real numbers, or of no push,
+            or ``restart`` is not one boolean a world; nothing has moved then.
         ResetNeeded
             If a world has ended, or never started, or the last step or reset broke off.
         CoreInUse
@@ -282,8 +297,15 @@ class Transport:
         driven = self.driven
         reward, parts = self.reward(transition)
         reward = driven.of_learners(reward)
-        self._obs = driven.of_learners(self.observation(transition))
+        seen, clipped = self.observation.read(transition)
+        self._obs = driven.of_learners(seen)
         self._info = step_info(transition, driven.terms_of_learners(parts))
+        if self.cost is not None:
+            taken, parts = self.cost(transition, what="cost")
+            told = cost_info(driven.of_learners(taken), driven.terms_of_learners(parts))
+            self._info.update(told)
+        if clipped is not None:
+            self._info[CLIPPED] = clipped
         self._info.update(driven.info(transition))
         if restart is None or not restart.any():
             return self._obs, reward, success, truncated, self._info
@@ -305,8 +327,11 @@ class Transport:
         self, action: npt.ArrayLike, before: Transition, restart: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
         """Clipped actions of all agents, and the wrenches in the object frame they stand for."""
-        shape = self.num_worlds, len(self.learners), self.action_size
-        joint = self.driven.joint(read_action(action, shape, restart), before, restart)
+        if self.table is None:
+            given = read_action(action, self.action_shape, restart)
+        else:
+            given = pushed(action, self.action_shape, self.table, restart)
+        joint = self.driven.joint(given, before, restart)
         return frames.wrenches_from_actions(joint, self.team.frame, self.team.limits)
 
     def _state(self, goal: FloatArray, time: FloatArray) -> State:

@@ -4,7 +4,7 @@ A term is a function of a `coopenv.transition.Transition` that returns ``(world,
 weight lives in it. A `RewardSum` names the terms and reports each beside the total.
 """
 
-from .presets import PRESETS, find_reward
+from .presets import COSTS, PRESETS, find_cost, find_reward
 from .shaping import Potential, PotentialShaping, Progress, closeness
 from .sums import RewardSum, Term, recompute
 from .terms import (
@@ -22,6 +22,7 @@ from .terms import (
 )
 
 __all__ = [
+    "COSTS",
     "PRESETS",
     "ActionRate",
     "Contact",
@@ -40,6 +41,7 @@ __all__ = [
     "TrackingError",
     "WastedCost",
     "closeness",
+    "find_cost",
     "find_reward",
     "recompute",
 ]

@@ -1,4 +1,4 @@
-"""Preset rewards by name, and parsing of the keyword ``reward=``."""
+"""Preset rewards and costs by name, and parsing of the keywords ``reward=`` and ``cost=``."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -17,6 +17,7 @@ from .terms import (
     Success,
     TimeCost,
     TrackingError,
+    WastedCost,
 )
 
 _TASK = {"progress": Progress(weight=5.0), "success": Success(), "time": TimeCost()}
@@ -50,8 +51,37 @@ PRESETS: dict[str, RewardSum] = {
 }
 
 
-def find_reward(reward: Any) -> RewardSum:
+# What safe learning bounds, in its own unit: each is all that an agent is not to do, and no task.
+COSTS: dict[str, RewardSum] = {
+    # knocks at walls and obstacles [N·s]
+    "contact": RewardSum({"contact": Contact(weight=1.0)}),
+    # squeezing, each agent its part [N]
+    "squeeze": RewardSum({"internal_force": InternalForce(weight=1.0)}),
+    # what the team spends against itself [N]
+    "waste": RewardSum({"wasted_cost": WastedCost(weight=1.0, scale=1.0)}),
+}
+
+
+def find_cost(cost: Any) -> RewardSum:
+    """A cost as a `RewardSum`: a name of `COSTS`, or whatever `find_reward` takes.
+
+    Raises
+    ------
+    UnknownName, InvalidInput
+        As `find_reward`.
+    """
+    if isinstance(cost, str):
+        known = {**PRESETS, **COSTS}
+        if cost not in known:
+            raise UnknownName("cost", cost, known)
+        return known[cost]
+    return find_reward(cost, what="cost")
+
+
+def find_reward(reward: Any, *, what: str = "reward") -> RewardSum:
     """A preset by name, a mapping of named terms, or a single term, as a `RewardSum`.
+
+    ``what`` it is is for errors.
 
     Raises
     ------
@@ -64,7 +94,7 @@ def find_reward(reward: Any) -> RewardSum:
         return reward
     if isinstance(reward, str):
         if reward not in PRESETS:
-            raise UnknownName("reward", reward, PRESETS)
+            raise UnknownName(what, reward, PRESETS)
         return PRESETS[reward]
     if isinstance(reward, Mapping):
         return RewardSum(reward)
@@ -72,6 +102,6 @@ def find_reward(reward: Any) -> RewardSum:
         term: Any = reward
         return RewardSum({getattr(term, "__name__", type(term).__name__): term})
     raise InvalidInput(
-        f"reward must be a preset name, a RewardSum or a term, got {reward!r}; "
+        f"{what} must be a preset name, a RewardSum or a term, got {reward!r}; "
         f"presets: {', '.join(PRESETS)}"
     )

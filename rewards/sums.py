@@ -58,8 +58,10 @@ class RewardSum(Mapping[str, Term]):
                 )
         self._terms = dict(terms)
 
-    def __call__(self, transition: Transition) -> tuple[FloatArray, dict[str, FloatArray]]:
-        """Total ``(world, agent)`` and its parts by name.
+    def __call__(
+        self, transition: Transition, *, what: str = "reward"
+    ) -> tuple[FloatArray, dict[str, FloatArray]]:
+        """Total ``(world, agent)`` and its parts by name; ``what`` it is, for errors.
 
         Raises
         ------
@@ -72,14 +74,14 @@ class RewardSum(Mapping[str, Term]):
         for name, part in parts.items():
             if getattr(part, "shape", None) != shape:
                 raise InvalidInput(
-                    f"reward {name!r} must return an array (world, agent) = {shape}, got "
+                    f"{what} {name!r} must return an array (world, agent) = {shape}, got "
                     f"shape {np.shape(part)}; transition.per_agent repeats one value a world"
                 )
             total += part
         if not isfinite(np.vdot(total, total)):  # one number for the whole batch
-            check_finite(parts)
+            check_finite(parts, what=what)
             if not np.isfinite(total).all():  # finite parts, of which the sum is none
-                check_finite(parts, at_most=LARGEST)
+                check_finite(parts, at_most=LARGEST, what=what)
         return total, parts
 
     def __getitem__(self, name: str) -> Term:
@@ -120,7 +122,9 @@ class RewardSum(Mapping[str, Term]):
         return RewardSum(terms)
 
 
-def check_finite(parts: Mapping[str, FloatArray], *, at_most: float = inf) -> None:
+def check_finite(
+    parts: Mapping[str, FloatArray], *, at_most: float = inf, what: str = "reward"
+) -> None:
     """Raise `InvalidInput` for the first term with a reward that is not finite, or too large.
 
     Parameters
@@ -129,6 +133,8 @@ def check_finite(parts: Mapping[str, FloatArray], *, at_most: float = inf) -> No
         Rewards ``(world, agent)`` by the names of their terms.
     at_most
         Largest magnitude that is allowed.
+    what
+        They are, for the error.
     """
     for name, part in parts.items():
         wrong = ~np.isfinite(part) | (np.abs(part) > at_most)
@@ -136,7 +142,7 @@ def check_finite(parts: Mapping[str, FloatArray], *, at_most: float = inf) -> No
             bound = "" if at_most == inf else f" and at most {at_most:g}"
             world, agent = np.argwhere(wrong)[0]
             raise InvalidInput(
-                f"reward {name!r} must be finite{bound}, got {part[world, agent]} for agent "
+                f"{what} {name!r} must be finite{bound}, got {part[world, agent]} for agent "
                 f"{agent} of world {world}; mend the term: a division by zero, a root or a "
                 "logarithm of what may be negative, or a scale"
             )

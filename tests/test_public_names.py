@@ -11,8 +11,8 @@ VIEWS = ("env", "parallel_env", "single_env", "vector_env")
 
 NAMES: dict[str, tuple[str, ...]] = {
     "coopenv": (
-        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Partner", "Player", "Ranges",
-        "Reference", "Scene", "Sensor", "State", "Task", "TrackingTask", "Transition", "Transport",
+        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "PUSHES", "Partner", "Player",
+        "Ranges", "Reference", "Scene", "Sensor", "State", "Task", "TrackingTask", "Transition", "Transport",
         "TransportConfig", "TransportTask", "WalkerAvoidTask", "WalkerTurnTask", "__version__",
         "beam_doorway_v0", "beam_tracking_v0", "beam_transport_v0", "register", "rewards",
         "walker_avoid_v0", "walker_turn_v0", "wrench",
@@ -44,9 +44,9 @@ NAMES: dict[str, tuple[str, ...]] = {
     ),
     "coopenv.observation": ("BLOCKS", "ranges"),
     "coopenv.rewards": (
-        "PRESETS", "ActionRate", "Contact", "Effort", "InternalForce", "InternalTorque",
+        "COSTS", "PRESETS", "ActionRate", "Contact", "Effort", "InternalForce", "InternalTorque",
         "LoadShare", "Potential", "PotentialShaping", "Progress", "RelativeCost", "RewardSum",
-        "Success", "Term", "TimeCost", "TrackingError", "find_reward", "recompute",
+        "Success", "Term", "TimeCost", "TrackingError", "find_cost", "find_reward", "recompute",
     ),
     "coopenv.tasks": (
         "TASKS", "DoorwayTask", "Episode", "FurnishedTask", "GuidedTask", "JudgedTask",
@@ -77,6 +77,8 @@ WORDS: dict[str, tuple[str, ...]] = {  # registry -> what users pass as text
         "follower", "impedance", "lagging", "leader", "load_sharing", "noisy", "population",
         "stubborn", "switching",
     ),
+    "coopenv.PUSHES": ("axes", "compass", "fine", "grid"),
+    "coopenv.rewards.COSTS": ("contact", "squeeze", "waste"),
     "coopenv.rewards.PRESETS": ("balanced", "harmony", "sparse", "task", "tracking"),
     "coopenv.wrench.METHODS": (
         "max_internal", "moore_penrose", "net_force", "nonsqueezing", "one_dimensional", "optimal",

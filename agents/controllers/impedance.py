@@ -10,6 +10,7 @@ from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import UnknownName
 from coopenv.geometry import frames
 from coopenv.geometry.frames import wrapped
+from coopenv.pushes import nearest
 from coopenv.transition import Transition
 from coopenv.wrench import allocate
 from coopenv.wrench.methods.pseudoinverse import ALLOCATIONS
@@ -66,13 +67,16 @@ class ImpedanceController:
             raise UnknownName("method", method, ALLOCATIONS)
         self.config, self.method = config, method
         self.gains = gains if gains is not None else Gains()
-        self._width = ACTIONS[config.action]
+        self._width, self._table = ACTIONS[config.action], config.table
         if self._width == 2:
             self.method, virtual_inertias = "parametrized", [_TORQUE_FREE] * config.num_agents
         self._masses, self._inertias = virtual_masses, virtual_inertias
 
-    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, learner, action_size)``; it counts on a partner to do its part."""
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
+        """Actions ``(world, learner, action_size)``; it counts on a partner to do its part.
+
+        Where actions are discrete, the numbers ``(world, learner)`` of the nearest pushes.
+        """
         team = transition.team
         applied = allocate(
             self.object_wrench(transition),
@@ -84,7 +88,8 @@ class ImpedanceController:
         action = frames.actions_from_wrenches(applied, team.frame, team.limits, self._width)
         largest = np.abs(action).max(axis=(1, 2), keepdims=True)
         scaled = action / np.maximum(largest, 1.0)
-        return scaled if self.config.partner is None else scaled[:, list(self.config.learners)]
+        given = scaled if self.config.partner is None else scaled[:, list(self.config.learners)]
+        return nearest(given, self._table)
 
     def object_wrench(self, transition: Transition) -> FloatArray:
         """Wrench ``(world, 3)`` [N, N·m] that the object needs, object frame."""

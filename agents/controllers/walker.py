@@ -15,6 +15,7 @@ from coopenv.geometry.clearance import WALLS, ways_to_boxes, ways_to_walls
 from coopenv.geometry.frames import rotated_back, wrapped
 from coopenv.geometry.routes import next_stops
 from coopenv.physics.body import Body
+from coopenv.pushes import nearest
 from coopenv.transition import Transition
 
 _WALLS = np.array(WALLS)
@@ -124,7 +125,7 @@ class WalkerController:
     ):
         self.config = config
         self.gains = gains if gains is not None else WalkerGains()
-        self._width = ACTIONS[config.action]
+        self._width, self._table = ACTIONS[config.action], config.table
         self._drive = AvoidanceDrive(config) if avoid else None
         bodies = (config.body,) if isinstance(config.body, Body) else config.body
         lever = min(abs(body.grips[0][0]) for body in bodies)  # [m]
@@ -134,8 +135,8 @@ class WalkerController:
                 f"{lever} m; use action='wrench'"
             )
 
-    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, learner, action_size)``."""
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
+        """Actions ``(world, learner, action_size)``, or numbers of the nearest pushes."""
         return self._actions(self.applied(transition), transition)
 
     def applied(self, transition: Transition) -> FloatArray:
@@ -204,11 +205,12 @@ class WalkerController:
             torque = team.limits[:, 0, 0] * np.abs(team.grips[:, 0, 0])
         return np.minimum(self.gains.spin, 0.9 * torque / np.maximum(drag, 1e-9))
 
-    def _actions(self, applied: FloatArray, transition: Transition) -> FloatArray:
+    def _actions(self, applied: FloatArray, transition: Transition) -> npt.NDArray:
         team = transition.team
         action = frames.actions_from_wrenches(applied, team.frame, team.limits, self._width)
         clipped = np.clip(action, -1.0, 1.0)
-        return clipped if self.config.partner is None else clipped[:, list(self.config.learners)]
+        given = clipped if self.config.partner is None else clipped[:, list(self.config.learners)]
+        return nearest(given, self._table)
 
 
 def _damping(distance: FloatArray, reach: float) -> FloatArray:

@@ -14,6 +14,7 @@ from coopenv.config.keywords import (
     complete,
     one_or_more,
     read_agents,
+    read_flag,
     read_limit,
     read_observe,
     read_partner,
@@ -22,15 +23,17 @@ from coopenv.config.keywords import (
 from coopenv.config.own_code import Trust
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Entry
+from coopenv.observation.bounds import Bounds
 from coopenv.partner import Partner
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
+from coopenv.pushes import read_pushes, table_of
 from coopenv.randomisation import Ranges, Variations
-from coopenv.rewards import RewardSum, find_reward
+from coopenv.rewards import RewardSum, find_cost, find_reward
 from coopenv.tasks import Task, TransportTask
 from coopenv.wrench import Settings
 
-ACTIONS = {"wrench": 3, "force": 2}  # name -> numbers an agent gives
+ACTIONS = {"wrench": 3, "force": 2, "discrete": 3}  # name -> numbers of an agent's push
 
 LONGEST_HORIZON = 10**9  # [control steps]
 STEPS = 1e-9, 1e4  # [s], shortest and longest
@@ -50,6 +53,10 @@ class TransportConfig:
         have the same number of grips.
     reward
         A `coopenv.rewards.RewardSum`, one term, or the name of a preset.
+    cost
+        What is to be bounded rather than traded against the reward, told in the infos: the same,
+        or a name of `coopenv.rewards.COSTS`. What a term takes costs, so a penalty costs as much
+        here as it takes from a reward. ``None``: nothing.
     observe
         Names of observation blocks (`coopenv.observation.BLOCKS`) or `Block` objects, as they are
         or in a `coopenv.Sensor` that adds noise, a bias and a delay.
@@ -57,8 +64,15 @@ class TransportConfig:
         A word for ``observe``, which it sets: ``"own"``, what an agent feels and sees by itself,
         or ``"shared"``, that of its partners and the decomposition too; either with the blocks that
         the task brings. Reads ``None`` afterwards.
+    bounded
+        Whether every feature of the observation has a finite bound, from room, limits, drag and
+        horizon. A reading beyond it is clipped, and ``info["observation_clipped"]`` says so.
     action
-        ``"wrench"`` (fx, fy, tz) or ``"force"`` (fx, fy), each in [−1, 1], agent frame.
+        ``"wrench"`` (fx, fy, tz) or ``"force"`` (fx, fy), each in [−1, 1], agent frame; or
+        ``"discrete"``, the number of one of ``pushes``.
+    pushes
+        What an agent can choose from if its actions are discrete: the name of a table in
+        `coopenv.pushes.PUSHES`, or rows (fx, fy, tz) in [−1, 1], agent frame.
     force_limit, torque_limit
         What an action of 1 stands for, one number or one an agent.
     horizon
@@ -93,9 +107,12 @@ class TransportConfig:
     body: Body | Sequence[Body] = field(default_factory=Body)
     scene: Scene | Sequence[Scene] = field(default_factory=Scene)
     reward: RewardSum | str = "task"
+    cost: RewardSum | str | None = None
     observe: Sequence[Entry] = DEFAULT_BLOCKS
     sensing: str | None = None
+    bounded: bool = False
     action: str = "wrench"
+    pushes: Sequence[Sequence[float]] | str = "axes"
     force_limit: float | Sequence[float] = 10.0  # [N]
     torque_limit: float | Sequence[float] = 5.0  # [N·m]
     horizon: int = 200  # [control steps]
@@ -113,10 +130,14 @@ class TransportConfig:
         _set(self, "body", one_or_more(self.body, "body", Body))
         _set(self, "scene", one_or_more(self.scene, "scene", Scene))
         _set(self, "reward", find_reward(self.reward))
+        if self.cost is not None:
+            _set(self, "cost", find_cost(self.cost))
         _set(self, "observe", read_observe(self.sensing, self.observe, self.task))
         _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
+        _set(self, "pushes", read_pushes(self.pushes))
+        _set(self, "bounded", read_flag(self.bounded, "bounded"))
         _set(self, "horizon", whole(self.horizon, "horizon", at_least=1, at_most=LONGEST_HORIZON))
         _set(self, "dt", positive(self.dt, "dt", unit="s", at_least=STEPS[0], at_most=STEPS[1]))
         _set(self, "substeps", whole(self.substeps, "substeps", at_least=1, at_most=MOST_SUBSTEPS))
@@ -214,6 +235,24 @@ class TransportConfig:
         """The reward as a sum of named terms, in whichever form it was given."""
         return cast(RewardSum, self.reward)  # read when the configuration was made
 
+    @property
+    def costs(self) -> RewardSum | None:
+        """The cost as a sum of named terms, in whichever form it was given; ``None`` without."""
+        return cast(RewardSum | None, self.cost)
+
+    @property
+    def table(self) -> FloatArray | None:
+        """``(push, 3)``: what the numbers of discrete actions stand for; ``None`` without them."""
+        return table_of(self.pushes) if self.action == "discrete" else None
+
+    def bounds(self) -> Bounds | None:
+        """What bounds the observations, if they are to be ``bounded``."""
+        if not self.bounded:
+            return None
+        bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
+        scenes = (self.scene,) if isinstance(self.scene, Scene) else tuple(self.scene)
+        return Bounds.of(bodies, scenes, self.limits(), self.randomise, self.horizon * self.dt)
+
     def _check_agreement(self) -> None:
         bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
         scenes = (self.scene,) if isinstance(self.scene, Scene) else tuple(self.scene)
@@ -233,7 +272,9 @@ class TransportConfig:
         self._check_partner()
         for body, scene in set(_pairs(bodies, scenes)):
             self.task.check(body, scene)
-        self.terms.check(self.num_agents)
+        for terms in (self.terms, self.costs):
+            if terms is not None:
+                terms.check(self.num_agents)
 
     def _check_partner(self) -> None:
         agents = read_agents(self.partner_agents, "partner_agents", self.num_agents)

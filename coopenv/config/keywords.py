@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from coopenv.arrays import LARGEST, finite_array, whole
 from coopenv.config.json_form import revived
 from coopenv.errors import InvalidInput, UnknownName
@@ -192,6 +194,13 @@ def one_or_more(value: Any, name: str, kind: type) -> Any:
             raise InvalidInput(f"{name} must not be empty, got {value!r}; give one, or one a world")
         return tuple(built(entry, name, kind) for entry in value)
     return built(value, name, kind)
+
+
+def read_flag(value: Any, name: str) -> bool:
+    """``value`` as a bool, or raise `InvalidInput` unless it is one."""
+    if not isinstance(value, bool | np.bool_):
+        raise InvalidInput(f"{name} must be True or False, got {value!r}; give one of them")
+    return bool(value)
 
 
 def read_limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:

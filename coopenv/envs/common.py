@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 
 from coopenv.arrays import plain_array
 from coopenv.errors import InvalidInput, UnknownName
@@ -22,8 +22,10 @@ def agent_observation_space(transport: Transport) -> "Box[np.float32]":
     return Box(transport.observation.low, transport.observation.high, dtype=np.float32)
 
 
-def agent_action_space(transport: Transport) -> "Box[np.float32]":
-    """What one agent does."""
+def agent_action_space(transport: Transport) -> Space[Any]:
+    """What one agent does: numbers in [−1, 1], or the number of a push."""
+    if transport.table is not None:
+        return Discrete(len(transport.table))
     return Box(-1.0, 1.0, (transport.action_size,), dtype=np.float32)
 
 
@@ -34,19 +36,21 @@ def team_observation_space(transport: Transport) -> "Box[np.float32]":
     return Box(np.tile(low, count), np.tile(high, count), dtype=np.float32)
 
 
-def team_action_space(transport: Transport) -> "Box[np.float32]":
+def team_action_space(transport: Transport) -> Space[Any]:
     """What all agents of a world that learn do, one after the other."""
+    if transport.table is not None:
+        return MultiDiscrete([len(transport.table)] * len(transport.learners))
     return Box(-1.0, 1.0, (len(transport.learners) * transport.action_size,), dtype=np.float32)
 
 
 def team_actions(
     transport: Transport, action: npt.ArrayLike, shape: tuple[int, ...] | None
 ) -> npt.NDArray[Any]:
-    """Joint actions of ``shape`` as the core takes them: ``(world, learner, action_size)``."""
+    """Joint actions of ``shape`` as the core takes them (`Transport.action_shape`)."""
     given = plain_array(action, "action")
     if given.shape != shape:
         raise InvalidInput(f"action must have shape {shape}, got {given.shape}; see action_space")
-    return given.reshape(transport.num_worlds, len(transport.learners), transport.action_size)
+    return given.reshape(transport.action_shape)
 
 
 def check_render_mode(mode: str | None, known: Sequence[str]) -> str | None:

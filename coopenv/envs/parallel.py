@@ -22,10 +22,11 @@ from coopenv.envs.common import (
     team_observation_space,
 )
 from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.pushes import check_numbers, push_numbers
 from coopenv.transport import Transport
 
 Observation: TypeAlias = npt.NDArray[np.float32]
-Action: TypeAlias = npt.NDArray[np.float32]
+Action: TypeAlias = npt.NDArray[np.float32] | np.int64  # a push's number
 ByAgent = dict[str, Any]
 
 
@@ -34,7 +35,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
 
     Every agent has its own observation and reward; they end together. Agents that a ``partner``
     drives are not among them. Info, per agent: as `coopenv.info.step_info`, wrenches, shares and
-    reward terms its own; of a partner, as `coopenv.driven.DrivenAgents.info`.
+    reward terms and cost its own; of a partner, as `coopenv.driven.DrivenAgents.info`.
 
     Parameters
     ----------
@@ -137,12 +138,19 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         return np.stack([self.read(agent, actions[agent]) for agent in self.agents])[None]
 
     def read(self, agent: str, action: Any) -> npt.NDArray[Any]:
-        """One agent's action ``(action_size,)``, or raise `InvalidInput` where it is none."""
-        row, size = plain_array(action, f"actions[{agent!r}]"), self.transport.action_size
+        """One agent's action ``(action_size,)``, or the number ``()`` of a push.
+
+        Raises `InvalidInput` where it is none.
+        """
+        name, table = f"actions[{agent!r}]", self.transport.table
+        if table is not None:
+            number = push_numbers(action, name, (), len(table))
+            check_numbers(number, name, len(table))
+            return number
+        row, size = plain_array(action, name), self.transport.action_size
         if row.shape != (size,):
             raise InvalidInput(
-                f"actions[{agent!r}] must have shape ({size},), got {row.shape}; see "
-                f"action_space({agent!r})"
+                f"{name} must have shape ({size},), got {row.shape}; see action_space({agent!r})"
             )
         return row
 
@@ -159,7 +167,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
 def _own(info: infos.Info, i: int, row: int) -> infos.Info:
     """Agent ``i``'s part: its row of what is per agent, the rest as it is.
 
-    Reward terms are of the learners only, of whom it is number ``row``.
+    Reward and cost are of the learners only, of whom it is number ``row``.
     """
     own = infos.Info()
     for name, value in info.items():
@@ -168,7 +176,7 @@ def _own(info: infos.Info, i: int, row: int) -> infos.Info:
         elif name in infos.POSES:
             own[name] = value.copy()
         else:
-            mine = row if name.startswith(infos.REWARD) else i
+            mine = row if infos.is_of_learners(name) else i
             own[name] = value[mine].copy() if value.ndim > 1 else value.item(mine)
     return own
 

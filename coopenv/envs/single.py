@@ -27,10 +27,11 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     """A team carries an object, driven by one joint action.
 
     Observation: the blocks of agent 0, then of agent 1, …; `observation_blocks` maps each name to
-    its slice in one agent's part. Action: ``action_size`` numbers an agent, in [−1, 1], clipped.
-    Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms averaged
-    over the team. Agents that a ``partner`` drives have no part in observation, action and reward;
-    what is true of it is in the info (`coopenv.driven.DrivenAgents.info`).
+    its slice in one agent's part. Action: ``action_size`` numbers an agent, in [−1, 1], clipped;
+    with ``action="discrete"`` the number of a push an agent.
+    Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms and cost
+    averaged over the team. Agents that a ``partner`` drives have no part in observation, action,
+    reward and cost; what is true of it is in the info (`coopenv.driven.DrivenAgents.info`).
 
     ``horizon`` truncates, and is ``spec.max_episode_steps``; ``gymnasium.make(...,
     max_episode_steps=)`` is another word for it, shorter or longer.
@@ -107,7 +108,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
 def _team_info(info: infos.Info) -> infos.Info:
     single = infos.one(info, 0)
     for name, value in single.items():
-        if name.startswith(infos.REWARD):
+        if infos.is_of_learners(name):
             single[name] = _mean(value)
     return single
 

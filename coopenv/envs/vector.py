@@ -22,7 +22,7 @@ from coopenv.envs.common import (
 )
 from coopenv.envs.spec import Specified
 from coopenv.errors import UnknownName
-from coopenv.info import REWARD, Info
+from coopenv.info import Info, is_of_learners
 from coopenv.transport import Seed, Transport
 
 
@@ -143,7 +143,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         return obs.reshape(self.num_envs, -1)
 
     def _vector_info(self, info: Info, *, present: BoolArray | None = None) -> Info:
-        """Reward terms averaged over the team, and Gymnasium's ``_key`` mask beside each key.
+        """Reward and cost averaged over the team, and Gymnasium's ``_key`` mask beside each key.
 
         ``present`` marks the worlds that the info is of; ``None``: all.
         """
@@ -151,7 +151,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
             present = np.ones(self.num_envs, dtype=np.bool_)
         masked = Info()
         for name, value in info.items():
-            masked[name] = value.mean(axis=1) if name.startswith(REWARD) else value
+            masked[name] = value.mean(axis=1) if is_of_learners(name) else value
             masked[f"_{name}"] = present.copy()
         return masked
 

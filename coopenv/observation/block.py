@@ -72,6 +72,11 @@ class Block:
             )
         return given
 
+    def ends(self, num_agents: int) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest of each feature, ``(width,)`` each."""
+        low, high = self.low, self.high
+        return self.spread(low, num_agents, "low"), self.spread(high, num_agents, "high")
+
 
 def side_by_side(blocks: Sequence[Block], num_agents: int) -> dict[str, slice]:
     """The slice of each block where they follow one another, by name."""

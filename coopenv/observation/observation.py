@@ -7,10 +7,11 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation.block import Block, side_by_side
 from coopenv.observation.blocks import BLOCKS, DEFAULT_BLOCKS
+from coopenv.observation.bounds import Bounds, clip
 from coopenv.observation.ranges import RangeReading, ranges
 from coopenv.observation.sensor import Instruments, Sensor
 from coopenv.observation.view import VIEW, agent_view, view_slices
@@ -30,6 +31,9 @@ class Observation:
         Effectors in a world.
     num_worlds
         Worlds that delayed readings are kept for.
+    bounds
+        What gives every feature a finite bound, to which readings are clipped; ``None``: features
+        have the bounds of their blocks.
 
     Attributes
     ----------
@@ -45,17 +49,27 @@ class Observation:
     UnknownName
         For a name that is not in `BLOCKS`.
     InvalidInput
-        If numbers of a block or a sensor are not as many as its features.
+        If numbers of a block or a sensor are not as many as its features, or there is no finite
+        bound for one.
     """
 
-    def __init__(self, blocks: Sequence[Entry], num_agents: int, num_worlds: int = 1):
+    def __init__(
+        self,
+        blocks: Sequence[Entry],
+        num_agents: int,
+        num_worlds: int = 1,
+        bounds: Bounds | None = None,
+    ):
         chosen = [find_block(block) for block in blocks]
         self.blocks = side_by_side(chosen, num_agents)
         self.size = sum(block.width(num_agents) for block in chosen)
-        low = [block.spread(block.low, num_agents, "low") for block in chosen]
-        high = [block.spread(block.high, num_agents, "high") for block in chosen]
-        self.low = np.concatenate(low).astype(np.float32)
-        self.high = np.concatenate(high).astype(np.float32)
+        ends = [
+            block.ends(num_agents) if bounds is None else bounds.ends(block, num_agents)
+            for block in chosen
+        ]
+        self.low = np.concatenate([low for low, _ in ends]).astype(np.float32)
+        self.high = np.concatenate([high for _, high in ends]).astype(np.float32)
+        self._is_clipped = bounds is not None
         self._chosen = chosen
         self._copies = _copies(chosen, self.blocks, view_slices(num_agents))
         self._all_worlds = np.arange(num_worlds)
@@ -74,6 +88,19 @@ class Observation:
         ``worlds`` says which ones the rows of ``transition`` are of, if it is not all of them.
         Delayed readings are right where every step of an episode has been read once, in order.
         """
+        return self.read(transition, worlds)[0]
+
+    def read(
+        self, transition: Transition, worlds: IntArray | None = None
+    ) -> tuple[npt.NDArray[np.float32], BoolArray | None]:
+        """What calling it gives, and ``(world, agent)`` whether any of it was clipped.
+
+        ``None`` in place of the latter without ``bounds``.
+        """
+        seen = self._seen(transition, worlds)
+        return seen, clip(seen, self.low, self.high) if self._is_clipped else None
+
+    def _seen(self, transition: Transition, worlds: IntArray | None) -> npt.NDArray[np.float32]:
         view = agent_view(transition)
         if self._is_whole_view:
             return view
