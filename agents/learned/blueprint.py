@@ -18,7 +18,7 @@ from coopenv.errors import InvalidInput
 
 from .plain import NotPlain, revived, shown
 from .scaling import FallingRate
-from .spaces import box_of, plain_box
+from .spaces import plain_space, space_of
 from .still import Still
 
 FORMAT = 1  # raised when a blueprint of before would mean something else
@@ -57,7 +57,7 @@ def blueprint_of(model: BaseAlgorithm) -> dict[str, Any]:
         return {
             "format": FORMAT,
             "policy": _alias(model),
-            "spaces": {name: plain_box(getattr(model, name)) for name in _SPACES},
+            "spaces": {name: plain_space(getattr(model, name)) for name in _SPACES},
             "rows": model.n_envs,
             "policy_kwargs": shown(dict(model.policy_kwargs)),
             **_settings(model),
@@ -82,7 +82,7 @@ def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: i
     """
     if set(blueprint) != _NAMES:
         raise ValueError("its blueprint lacks or adds something")
-    spaces = {name: box_of(blueprint["spaces"][name]) for name in _SPACES}
+    spaces = {name: space_of(blueprint["spaces"][name]) for name in _SPACES}
     keywords = revived(blueprint["policy_kwargs"])
     _check_sizes(keywords, spaces["observation_space"].shape[0], count)
     settings = {name: revived(value) for name, value in blueprint["settings"].items()}

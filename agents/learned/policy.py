@@ -11,7 +11,7 @@ import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, IntArray
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.transport import Transport
@@ -35,7 +35,8 @@ class SB3Policy:
     Parameters
     ----------
     model
-        Any algorithm of Stable-Baselines3 or sb3-contrib that acts in a box.
+        Any algorithm of Stable-Baselines3 or sb3-contrib that acts in a box or by numbers of
+        pushes.
     deterministic
         Take the mean action instead of a sample.
     normalize
@@ -227,8 +228,8 @@ class SB3Policy:
         """Seeds ``(world,)`` of the episodes that begin in every world now."""
         self._keys.seed(seeds)
 
-    def __call__(self, obs: npt.NDArray, transition: Transition) -> FloatArray:
-        """Actions ``(world, learner, action_size)``.
+    def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
+        """Actions ``(world, learner, action_size)``, or numbers of pushes ``(world, learner)``.
 
         Raises
         ------
@@ -265,6 +266,8 @@ class SB3Policy:
         if not np.isfinite(action).all():
             raise InvalidInput(DIVERGED)
         self._fresh = np.zeros(num_worlds, dtype=np.bool_)
+        if self._spaces.pushes is not None:
+            return action.reshape(num_worlds, num_agents).astype(np.int64)
         return action.reshape(num_worlds, num_agents, width).astype(np.float64)
 
 

@@ -1,8 +1,9 @@
 """Sampled actions of SB3's policies with keyed noise instead of torch's global generator.
 
 SB3's distributions over boxes are Gaussians, some of them squashed; torch draws their noise by
-``normal_``, or ``torch.normal`` in older versions. Here both are given numbers of the episode and
-step, so that a row's action does not depend on the rows beside it, nor on what was drawn before.
+``normal_``, or ``torch.normal`` in older versions. Those over numbers of pushes are drawn by
+``multinomial``, one agent's after the other's. Here all are given numbers of the episode and step,
+so that a row's action does not depend on the rows beside it, nor on what was drawn before.
 """
 
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from torch.overrides import TorchFunctionMode
 from coopenv.chance import Keys
 from coopenv.transition import Transition
 
-from ..noise import EpisodeKeys, normals
+from ..noise import EpisodeKeys, normals, uniforms
 
 Predict = Callable[[], tuple[npt.NDArray, Any]]
 
@@ -38,22 +39,22 @@ def sampled(
     began = keys.follow(transition)
     if getattr(model, "use_sde", False):
         if len(began):
-            with _KeyedNormal(keys.of_episode(), rows):
+            with _Keyed(keys.of_episode(), rows):
                 model.policy.reset_noise(rows)  # type: ignore[operator]
         return predict()
-    with _KeyedNormal(keys.of_step(transition), rows):
+    with _Keyed(keys.of_step(transition), rows):
         return predict()
 
 
-class _KeyedNormal(TorchFunctionMode):
-    """Within it torch's normal numbers for ``rows`` rows are those of their worlds.
+class _Keyed(TorchFunctionMode):
+    """Within it torch's random numbers for ``rows`` rows are those of their worlds.
 
     What is not drawn row by row (gSDE's matrix for a single row) is that of the first row.
     """
 
     def __init__(self, keys: Keys, rows: int):
         super().__init__()
-        self._keys, self._rows = keys, rows
+        self._keys, self._rows, self._choices = keys, rows, 0
 
     def __torch_function__(self, func: Any, types: Any, args: Any = (), kwargs: Any = None) -> Any:
         if func is torch.normal:
@@ -61,7 +62,18 @@ class _KeyedNormal(TorchFunctionMode):
             return mean + spread * self._noise(mean)
         if func is torch.Tensor.normal_:
             return args[0].copy_(self._noise(args[0]))  # standard normal: distributions scale it
+        if func is torch.multinomial:
+            return self._chosen(args[0])
         return func(*args, **(kwargs or {}))
+
+    def _chosen(self, weights: torch.Tensor) -> torch.Tensor:
+        """One choice a row by the ``weights`` ``(row, choice)``, another one at every call."""
+        each, call = len(weights) // len(self._keys), self._choices
+        self._choices += 1
+        drawn = uniforms(self._keys, (call + 1) * each)[:, call * each :].reshape(-1, 1)
+        reached = weights.double().cumsum(dim=1)
+        chosen = (reached <= torch.as_tensor(drawn) * reached[:, -1:]).sum(dim=1, keepdim=True)
+        return chosen.clamp(max=weights.shape[1] - 1)
 
     def _noise(self, like: torch.Tensor) -> torch.Tensor:
         shape, worlds = like.shape, len(self._keys)

@@ -1,7 +1,7 @@
 """Spaces of a learned policy against the environment that it is to act in."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -9,11 +9,13 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
+from coopenv.pushes import MOST_PUSHES
 from coopenv.transport import Transport
 
 from .plain import NotPlain
 
 _DTYPES = ("float32", "float64")
+_MOST_AGENTS = 1000  # of a plate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -21,9 +23,10 @@ class Spaces:
     """What a policy takes and gives in a row, which is of the team or of one agent."""
 
     features: int
-    actions: int
+    actions: int  # numbers in [−1, 1], or numbers of pushes
     bounded: BoolArray  # (feature,): which features have a bound
-    action_space: gymnasium.spaces.Box
+    action_space: gymnasium.Space
+    pushes: int | None  # how many an agent chooses from; None: its actions are a box
 
     def check_sizes(self, num_agents: int, size: int, width: int) -> int:
         """How many agents share a row, if each sees ``size`` features and gives ``width`` numbers.
@@ -33,19 +36,20 @@ class Spaces:
         InvalidInput
             If the policy was trained on other sizes, or actions of another range.
         """
-        box = self.action_space
-        if (box.low != -1).any() or (box.high != 1).any():
+        box: Any = self.action_space
+        if self.pushes is None and ((box.low != -1).any() or (box.high != 1).any()):
             raise InvalidInput(
                 f"actions of a policy must be in [-1, 1], got {box}; it was trained in another "
                 "kind of environment"
             )
+        given = width if self.pushes is None else 1
         for agents in (num_agents, 1):
-            if (self.features, self.actions) == (agents * size, agents * width):
+            if (self.features, self.actions) == (agents * size, agents * given):
                 return agents
         raise InvalidInput(
             f"obs and action must have the sizes the policy was trained on, {self.features} "
             f"features in and {self.actions} numbers out, for the team or each agent, got "
-            f"{num_agents} agents with {size} and {width} each; evaluate it with the observe=, "
+            f"{num_agents} agents with {size} and {given} each; evaluate it with the observe=, "
             "action= and number of agents of its training"
         )
 
@@ -58,9 +62,15 @@ class Spaces:
         Raises
         ------
         InvalidInput
-            If sizes or the bounds of what is seen show one.
+            If sizes or the bounds of what is seen show one, or it chooses from other pushes.
         """
         seen = core.observation
+        there = None if core.table is None else len(core.table)
+        if self.pushes != there:
+            raise InvalidInput(
+                f"action must be what the policy was trained with, {_said(self.pushes)}, got "
+                f"{_said(there)}; evaluate it with the action= and pushes= of its training"
+            )
         agents = self.check_sizes(len(core.learners), seen.size, core.action_size)
         bounded = np.tile(np.isfinite(seen.low) | np.isfinite(seen.high), agents)
         if self.bounded.any() and (self.bounded != bounded).any():
@@ -75,30 +85,52 @@ class Spaces:
 
 
 def spaces_of(model: BaseAlgorithm) -> Spaces:
-    """The spaces of a model; raises `InvalidInput` unless both are boxes of one row."""
-    seen, done = model.observation_space, model.action_space
+    """The spaces of a model; raises `InvalidInput` unless they are of one row."""
+    seen, done = model.observation_space, cast(Any, model.action_space)
     box = gymnasium.spaces.Box
     if not isinstance(seen, box) or len(seen.shape) != 1:
         raise InvalidInput(
             f"observation space of a policy must be a Box of one row, got {seen}; it was trained "
             "in another kind of environment"
         )
-    if not isinstance(done, box) or len(done.shape) != 1:
+    if isinstance(done, box) and len(done.shape) == 1:
+        pushes, actions = None, done.shape[0]
+    elif _is_of_pushes(done):
+        pushes, actions = int(np.ravel(done.nvec)[0]), done.nvec.size
+    elif type(done) is gymnasium.spaces.Discrete and done.start == 0:
+        pushes, actions = int(done.n), 1
+    else:
         raise InvalidInput(
-            f"action space of a policy must be a Box of one row, got {done} of "
-            f"{type(model).__name__}; choose an algorithm with continuous actions, PPO or SAC "
-            "for example"
+            f"action space of a policy must be a Box of one row, or of numbers of pushes, got "
+            f"{done} of {type(model).__name__}; it was trained in another kind of environment"
         )
     return Spaces(
         features=seen.shape[0],
-        actions=done.shape[0],
+        actions=actions,
         bounded=np.isfinite(seen.low) | np.isfinite(seen.high),
         action_space=done,
+        pushes=pushes,
     )
 
 
-def plain_box(space: gymnasium.Space) -> dict[str, Any]:
-    """A box of one row as JSON has it; raises `NotPlain` for another space."""
+def _is_of_pushes(space: Any) -> bool:
+    """Whether it is a row of numbers of pushes, for all agents of the same."""
+    if type(space) is not gymnasium.spaces.MultiDiscrete or space.nvec.ndim != 1:
+        return False
+    return bool((space.nvec == space.nvec[0]).all() and not np.any(space.start))
+
+
+def _said(pushes: int | None) -> str:
+    return "numbers in [-1, 1]" if pushes is None else f"numbers of {pushes} pushes"
+
+
+def plain_space(space: gymnasium.Space) -> dict[str, Any]:
+    """A box of one row, or numbers of pushes, as JSON has it; raises `NotPlain` for another."""
+    if type(space) is gymnasium.spaces.Discrete and space.start == 0:
+        return {"pushes": int(space.n)}
+    if _is_of_pushes(space):
+        nvec: Any = space.nvec  # pyright: ignore[reportAttributeAccessIssue]
+        return {"pushes": int(nvec[0]), "agents": int(nvec.size)}
     if not isinstance(space, gymnasium.spaces.Box) or len(space.shape) != 1:
         raise NotPlain(f"the space {space!r:.60}")
     if str(space.dtype) not in _DTYPES:
@@ -107,8 +139,13 @@ def plain_box(space: gymnasium.Space) -> dict[str, Any]:
     return {**bounds, "dtype": str(space.dtype)}
 
 
-def box_of(given: Any) -> gymnasium.spaces.Box:
-    """What `plain_box` wrote; raises `ValueError`, or of another kind, for anything else."""
+def space_of(given: Any) -> gymnasium.Space:
+    """What `plain_space` wrote; raises `ValueError`, or of another kind, for anything else."""
+    if "pushes" in given:
+        pushes = _count(given["pushes"], MOST_PUSHES)
+        if set(given) == {"pushes"}:
+            return gymnasium.spaces.Discrete(pushes)
+        return gymnasium.spaces.MultiDiscrete([pushes] * _count(given["agents"], _MOST_AGENTS))
     if given["dtype"] not in _DTYPES:
         raise ValueError(f"a space of {given['dtype']!r:.40}")
     dtype: Any = np.dtype(given["dtype"]).type
@@ -116,6 +153,12 @@ def box_of(given: Any) -> gymnasium.spaces.Box:
     if np.isnan(low).any() or np.isnan(high).any() or (low > high).any():
         raise ValueError("a space without room")
     return gymnasium.spaces.Box(low, high, dtype=dtype)
+
+
+def _count(value: Any, most: int) -> int:
+    if type(value) is not int or not 1 <= value <= most:
+        raise ValueError(f"a space of {value!r:.40}")
+    return value
 
 
 def _numbers(at: slice) -> range:
