@@ -95,6 +95,10 @@ FORCES_ONLY = ("max_internal", "net_force", "one_dimensional")  # raise where to
 OPTIONS: dict[str, dict[str, Any]] = {
     "defaults": {},
     "forces": {"action": "force"},
+    "discrete": {"action": "discrete", "bounded": True, "cost": "squeeze"},
+    "own pushes": {"action": "discrete", "pushes": ((0, 0, 0), (0.5, 0, 0.2), (0, -1, 0))},
+    "bounded": {"bounded": True, "observe": tuple(BLOCKS)},
+    "cost": {"cost": {"jerk": coopenv.rewards.ActionRate(), "load": coopenv.rewards.LoadShare()}},
     "every block": {"observe": tuple(BLOCKS)},
     **{f"observe {name}": {"observe": (name,)} for name in BLOCKS},
     "own senses": {"sensing": "own"},
@@ -187,7 +191,15 @@ OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
         "without wheels": {"body": Body.walker(nonholonomic=False)},
     },
 }
-COMMON = ("defaults", "every block", "forces", "reward balanced", "cluttered", "three agents")
+COMMON = (
+    "defaults",
+    "every block",
+    "forces",
+    "discrete",
+    "reward balanced",
+    "cluttered",
+    "three agents",
+)
 CASES: list[tuple[str, str, dict[str, Any]]] = [  # every id with its options: id, name, keywords
     *((IDS[0], name, keywords) for name, keywords in OPTIONS.items()),
     *((view, name, OPTIONS[name]) for view in IDS[1:] for name in COMMON),

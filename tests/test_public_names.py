@@ -14,7 +14,8 @@ NAMES: dict[str, tuple[str, ...]] = {
         "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "PUSHES", "Partner", "Player",
         "Ranges", "Reference", "Scene", "Sensor", "State", "Task", "TrackingTask", "Transition",
         "Transport", "TransportConfig", "TransportTask", "WalkerAvoidTask", "WalkerTurnTask",
-        "__version__", "beam_doorway_v0", "beam_tracking_v0", "beam_transport_v0", "register", "rewards",
+        "__version__", "beam_doorway_v0", "beam_tracking_v0", "beam_transport_v0", "register",
+        "rewards",
         "walker_avoid_v0", "walker_turn_v0", "wrench",
     ),
     "coopenv.agents.controllers": (
