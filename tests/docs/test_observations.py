@@ -30,11 +30,12 @@ def test_a_bound_on_one_side_is_said():
 
 def test_what_the_blocks_of_the_page_show_is_finite_and_bounded(tmp_path):
     shown = chains(observations.PAGE)
-    assert len(shown) == 4
+    assert len(shown) == 5
     cores = []
     for chain in shown:
         with running(chain, tmp_path) as names:
-            cores.append(names["core"])
+            if "core" in names:
+                cores.append(names["core"])
     for core in cores:
         obs, _ = core.reset(seed=0)
         assert np.isfinite(obs).all()
