@@ -175,9 +175,13 @@ class Provenance:
         ]
 
     def identity(self) -> dict[str, Any]:
-        """What two runs must have in common for one to go on from the other's checkpoint."""
+        """What two runs must have in common for one to go on from the other's checkpoint.
+
+        A field that an older record does not have is at its default, which stands for what was
+        before.
+        """
         settings = TrainConfig.from_dict(self.training).identity()
-        return {**settings, "environment": self.environment}
+        return {**settings, "environment": {**_written(TransportConfig()), **self.environment}}
 
 
 def _is_right(name: str, value: Any) -> bool:

@@ -59,7 +59,8 @@ def test_every_view_tells_the_cost_where_it_tells_the_reward():
     joint = sb3.make_vec_env(VIEW, 1, seed=4, **keywords)
     for env in (core, single, vector, team):
         env.reset(seed=4)
-    shared.reset(), joint.reset()
+    shared.reset()
+    joint.reset()
     for action in actions(1, 4, 2, 3).astype(np.float32):
         cost = core.step(action[None])[-1]["cost"]
         assert cost.shape == (1, 2)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.spaces import Discrete, MultiDiscrete
 
 from coopenv import PUSHES, Transport, TransportConfig, beam_transport_v0
@@ -57,7 +58,7 @@ def test_every_view_offers_the_numbers_and_shows_the_same_episode():
     assert venv.action_space == MultiDiscrete([7, 7])
     first = core.reset(seed=3)[0]
     assert (single.reset(seed=3)[0] == vector.reset(seed=3)[0]).all()
-    assert (venv.reset() == first.reshape(1, -1)).all()
+    np.testing.assert_array_equal(venv.reset(), first.reshape(1, -1))
     team.reset(seed=3)
     turns.reset(seed=3)
     for given in numbers(2, 7, 4, 2):
@@ -69,7 +70,8 @@ def test_every_view_offers_the_numbers_and_shows_the_same_episode():
         assert (np.concatenate([*team.step(by_name)[0].values()]) == seen).all()
         for number in given.tolist():  # plain ones of Python will do
             turns.step(number)
-        assert (np.concatenate([turns.observe(name) for name in turns.agents]) == seen).all()
+        both = [np.asarray(turns.observe(name)) for name in turns.agents]
+        assert (np.concatenate(both) == seen).all()
 
 
 def test_an_agent_for_itself_has_one_number_in_stable_baselines():
@@ -77,7 +79,8 @@ def test_an_agent_for_itself_has_one_number_in_stable_baselines():
         venv = sb3.make_vec_env(VIEW, 2, control=control, action="discrete", pushes="grid")
         assert venv.action_space == Discrete(27)
         venv.reset()
-        assert venv.step(np.zeros(rows, dtype=np.int64))[0].shape == (rows, 22)
+        seen = venv.step(np.zeros(rows, dtype=np.int64))[0]
+        assert np.shape(seen) == (rows, 22)
 
 
 WRONG = [
@@ -96,13 +99,13 @@ def test_a_number_of_no_push_is_refused_in_every_view_and_nothing_moves(wrong, w
     with pytest.raises(InvalidInput, match=words):
         core.step(np.array([[wrong, wrong]]))
     assert core.transition is before
-    for env in (gymnasium.make(VIEW, action="discrete"),):
-        env.reset(seed=0)
-        with pytest.raises(InvalidInput, match=words):
-            env.unwrapped.step(np.array([wrong, wrong]))
+    env = gymnasium.make(VIEW, action="discrete").unwrapped
+    env.reset(seed=0)
+    with pytest.raises(InvalidInput, match=words):
+        env.step(np.array([wrong, wrong]))
     team = beam_transport_v0.parallel_env(action="discrete")
     team.reset(seed=0)
-    with pytest.raises(InvalidInput, match=rf"actions\['agent_1'\] must be .*{words}|{words}"):
+    with pytest.raises(InvalidInput, match=rf"actions\['agent_1'\] must be {words}"):
         team.step({"agent_0": np.array(0), "agent_1": np.array(wrong)})
     turns = beam_transport_v0.env(action="discrete")
     turns.reset(seed=0)
@@ -126,7 +129,7 @@ def test_the_number_of_a_world_that_begins_anew_is_ignored():
     restart = np.array([True, True])
     core.step(np.array([[99, -3], [0, 1]]), restart=restart)
     core.step(np.zeros((2, 2), dtype=np.int64))
-    core.reset(mask=[False, True])
+    core.reset(mask=np.array([False, True]))
     with pytest.raises(InvalidInput, match=r"got 99 at index \(1, 0\)"):
         core.step(np.array([[0, 0], [99, 0]]), restart=np.array([True, False]))
 
@@ -158,7 +161,7 @@ def test_discrete_actions_go_through_json(pushes):
     assert TransportConfig.from_json(config.to_json()) == config
     spec = gymnasium.make(VIEW, action="discrete", pushes=pushes, bounded=True, cost="waste").spec
     assert spec is not None
-    again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
+    again = gymnasium.make(EnvSpec.from_json(spec.to_json()))
     assert again.unwrapped.transport.config == config  # pyright: ignore[reportAttributeAccessIssue]
 
 

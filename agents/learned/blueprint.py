@@ -12,6 +12,7 @@ from inspect import Parameter, signature
 from itertools import pairwise
 from typing import Any
 
+from gymnasium.spaces.utils import flatdim
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from coopenv.errors import InvalidInput
@@ -84,7 +85,10 @@ def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: i
         raise ValueError("its blueprint lacks or adds something")
     spaces = {name: space_of(blueprint["spaces"][name]) for name in _SPACES}
     keywords = revived(blueprint["policy_kwargs"])
-    _check_sizes(keywords, spaces["observation_space"].shape[0], count)
+    (features,) = spaces["observation_space"].shape or ()
+    _check_sizes(keywords, features, count)
+    if flatdim(spaces["action_space"]) * _last_width(keywords) > count:
+        raise ValueError("it chooses from more than its weights can tell apart")
     settings = {name: revived(value) for name, value in blueprint["settings"].items()}
     _check_settings(settings, algorithm)
     rows, steps = _whole(blueprint["rows"], _MOST_ROWS), _whole(blueprint["steps"], _MOST_STEPS)
@@ -184,6 +188,14 @@ def _check_sizes(keywords: Any, features: int, count: int) -> None:
     sizes = [size for name in _LAYERS for size in _sizes(keywords.get(name), features)]
     if any(size > count for size in sizes):
         raise ValueError(f"its layers have more than the {count} weights of the file")
+
+
+def _last_width(keywords: dict[str, Any]) -> int:
+    """Units before those that tell the action, where the keywords say how many."""
+    layers = keywords.get("net_arch")
+    layers = layers.get("pi") if isinstance(layers, dict) else layers
+    known = isinstance(layers, list | tuple) and layers and type(layers[-1]) is int
+    return abs(layers[-1]) if known else 1
 
 
 def _sizes(value: Any, before: int) -> Iterator[int]:

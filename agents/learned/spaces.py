@@ -93,10 +93,10 @@ def spaces_of(model: BaseAlgorithm) -> Spaces:
             f"observation space of a policy must be a Box of one row, got {seen}; it was trained "
             "in another kind of environment"
         )
-    if isinstance(done, box) and len(done.shape) == 1:
+    if _is_of_pushes(done):
+        pushes, actions = int(done.nvec[0]), done.nvec.size
+    elif isinstance(done, box) and len(done.shape) == 1:
         pushes, actions = None, done.shape[0]
-    elif _is_of_pushes(done):
-        pushes, actions = int(np.ravel(done.nvec)[0]), done.nvec.size
     elif type(done) is gymnasium.spaces.Discrete and done.start == 0:
         pushes, actions = int(done.n), 1
     else:

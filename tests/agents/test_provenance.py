@@ -138,6 +138,14 @@ def test_the_same_environment_by_another_name_is_the_same_run(run):
     assert "has done its 64 steps" in said[0]
 
 
+def test_a_record_from_before_a_field_was_added_is_of_the_same_run():
+    now = Provenance.of(TrainConfig(), TransportConfig())
+    older = {name: value for name, value in now.environment.items() if name != "pushes"}
+    assert replace(now, environment=older).differences(now) == []
+    other = Provenance.of(TrainConfig(), TransportConfig(pushes="grid"))
+    assert replace(now, environment=older).differences(other) == ["environment.pushes"]
+
+
 def test_what_cannot_be_written_is_refused_before_any_training(tmp_path):
     @dataclass(frozen=True)
     class Local:

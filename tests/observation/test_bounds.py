@@ -13,10 +13,8 @@ from coopenv import (
     Block,
     Body,
     Ranges,
-    Reference,
     Scene,
     Sensor,
-    TrackingTask,
     Transport,
     TransportConfig,
     TransportTask,
@@ -81,7 +79,7 @@ def test_nobody_is_faster_than_the_bound_and_it_is_not_far(body):
         body=body, bounded=True, scene=OPEN_ROOM, task=NEVER, horizon=40, observe=("twist",)
     )
     fastest = np.zeros(2)
-    for push in ([[1, 1, 0], [-1, -1, 0]], [[0, 1, 1], [0, 1, 1]]):  # all one way; all round
+    for push in ([[1, 1, 0], [-1, -1, 0]], [[0, -1, 1], [0, -1, 1]]):  # all one way; all round
         core = Transport(config=config)
         core.reset(seed=0, pose=(0, 0, 0))
         for _ in range(config.horizon):
@@ -92,7 +90,7 @@ def test_nobody_is_faster_than_the_bound_and_it_is_not_far(body):
             fastest = np.maximum(fastest, [np.hypot(x, y), abs(spin)])
     bound = core.observation.high[0], core.observation.high[2]
     assert (fastest <= bound).all()
-    if body != Body.walker():  # whose spin is far below what its speed could give it in a wall
+    if body in (Body(), Body(linear_drag=0.0, angular_drag=0.0)):  # else walls could give far more
         assert (fastest > np.array(bound) / 5).all()
 
 
@@ -113,18 +111,8 @@ def test_a_reading_beyond_its_bound_is_clipped_and_that_is_told():
     seen, info = core.reset(seed=0)
     goal = core.observation.blocks["goal"]
     at_end = (np.abs(seen[..., goal]) == core.observation.high[goal]).any(axis=-1)
-    assert 0 < at_end.sum()
+    assert at_end.sum() > 0
     np.testing.assert_array_equal(info["observation_clipped"], at_end)
-    far = Reference(times=(0.0, 1.0, 2.0), poses=((0, 0, 0), (0.1, 0, 0), (90.0, 0, 0)))
-    try:
-        task = TrackingTask(reference=far)
-        core = Transport(bounded=True, task=task, observe=("goal",), horizon=60)
-    except InvalidInput:
-        return  # tasks that refuse such a reference leave nothing to clip
-    core.reset(seed=0)
-    for _ in range(40):
-        seen, *_, info = core.step(np.zeros((1, 2, 3)))
-    assert info["observation_clipped"].all()
 
 
 def test_the_flag_of_each_agent_is_in_every_view():
