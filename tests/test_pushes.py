@@ -1,6 +1,7 @@
 """Discrete actions: numbers of pushes, in the core and in every view."""
 
 from dataclasses import replace
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -52,7 +53,7 @@ def test_every_view_offers_the_numbers_and_shows_the_same_episode():
     vector = gymnasium.make_vec(VIEW, num_envs=1, **keywords)
     team = beam_transport_v0.parallel_env(**keywords)
     turns = beam_transport_v0.env(**keywords)
-    venv = sb3.make_vec_env(VIEW, 1, seed=3, **keywords)
+    venv: Any = sb3.make_vec_env(VIEW, 1, seed=3, **keywords)
     assert single.action_space == vector.single_action_space == MultiDiscrete([7, 7])
     assert team.action_space("agent_1") == turns.action_space("agent_0") == Discrete(7)
     assert venv.action_space == MultiDiscrete([7, 7])
@@ -76,11 +77,10 @@ def test_every_view_offers_the_numbers_and_shows_the_same_episode():
 
 def test_an_agent_for_itself_has_one_number_in_stable_baselines():
     for control, rows in (("shared", 4), ("partner", 2)):
-        venv = sb3.make_vec_env(VIEW, 2, control=control, action="discrete", pushes="grid")
+        venv: Any = sb3.make_vec_env(VIEW, 2, control=control, action="discrete", pushes="grid")
         assert venv.action_space == Discrete(27)
         venv.reset()
-        seen = venv.step(np.zeros(rows, dtype=np.int64))[0]
-        assert np.shape(seen) == (rows, 22)
+        assert venv.step(np.zeros(rows, dtype=np.int64))[0].shape == (rows, 22)
 
 
 WRONG = [
