@@ -16,7 +16,7 @@ from sb3_contrib import QRDQN, MaskablePPO
 from stable_baselines3 import DQN, PPO, SAC
 from stable_baselines3.common.policies import ActorCriticPolicy
 
-from coopenv import Body, TransportConfig
+from coopenv import Body, Transport, TransportConfig
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.learned import read_notes
 from coopenv.agents.sb3 import SB3Policy, make_vec_env
@@ -209,11 +209,13 @@ class Buttons(gymnasium.Env):
 
 
 @pytest.mark.parametrize("algorithm", [DQN, QRDQN, MaskablePPO])
-def test_policies_that_choose_among_actions_are_refused(algorithm, tmp_path):
+def test_policies_that_choose_among_other_actions_are_refused(algorithm, tmp_path):
     model = algorithm("MlpPolicy", Buttons(), device="cpu", policy_kwargs={"net_arch": [8]})
     model.save(tmp_path / "model.zip")
-    with pytest.raises(InvalidInput, match=rf"Discrete\(3\) of {algorithm.__name__}.*model\.zip"):
-        SB3Policy.load(tmp_path / "model.zip", trust=True)
+    policy = SB3Policy.load(tmp_path / "model.zip", trust=True)
+    for config, there in ((CONFIG, "numbers in"), (replace(CONFIG, action="discrete"), "of 7")):
+        with pytest.raises(InvalidInput, match=rf"trained with, numbers of 3 pushes, got.*{there}"):
+            policy.check_environment(Transport(config=config))
 
 
 @pytest.mark.parametrize(
