@@ -7,7 +7,7 @@ from typing import Any
 from coopenv.config import TransportConfig
 from coopenv.rewards import COSTS, PRESETS, find_reward
 
-from .partners import PARTNERS
+from .partners import PARTNERS, LearnedPartner
 
 Change = tuple[str, Any, Any]
 """Dotted name of a part, such as ``environment.reward.progress.weight``, and its two values;
@@ -79,7 +79,10 @@ def _known_name(field: str, config: TransportConfig) -> str | None:
         known = {**COSTS, **PRESETS}
         return next((name for name, cost in known.items() if cost == config.cost), None)
     if field == "partner":
-        return next((name for name, kind in PARTNERS.items() if kind == config.partner), None)
+        partner = config.partner
+        if isinstance(partner, LearnedPartner):
+            return partner.path if partner == LearnedPartner(path=partner.path) else None
+        return next((name for name, kind in PARTNERS.items() if kind == partner), None)
     return None
 
 

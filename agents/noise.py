@@ -27,9 +27,21 @@ class EpisodeKeys:
         self._seed = np.uint64(whole(seed, "seed", at_least=0) % 2**64)
         self._episodes = np.zeros(0, dtype=np.uint64)
 
-    def seed(self, seeds: npt.NDArray[np.integer]) -> None:
-        """Seeds of the episodes that begin now, one a world; those that follow go on from them."""
-        self._episodes = _branches(self._seed, _SEEDED, seeds.astype(np.uint64))
+    def seed(self, seeds: npt.NDArray[np.integer], worlds: IntArray | None = None) -> None:
+        """Seeds of the episodes that begin now, one a world; those that follow go on from them.
+
+        Parameters
+        ----------
+        seeds
+            ``(world,)``.
+        worlds
+            Where they begin, if not in all of them; all are told of before.
+        """
+        keys = _branches(self._seed, _SEEDED, seeds.astype(np.uint64))
+        if worlds is None or len(self._episodes) != len(keys):
+            self._episodes = keys
+        else:
+            self._episodes[worlds] = keys[worlds]
 
     def follow(self, transition: Transition) -> IntArray:
         """Worlds in which an episode begins; they get a key of their own.

@@ -1,13 +1,14 @@
 """Policies: observations and the last transition in, actions of many worlds out; a random one."""
 
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, IntArray
 from coopenv.config import ACTIONS, TransportConfig
+from coopenv.observation import Entry
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
@@ -48,8 +49,11 @@ class Resettable(Protocol):
 class Seedable(Protocol):
     """A policy that draws random numbers has this, to act alike beside any number of episodes."""
 
-    def seed_episodes(self, seeds: IntArray) -> None:
-        """Seeds ``(world,)`` of the episodes that begin in every world now."""
+    def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
+        """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``.
+
+        Evaluations give no ``worlds``; a policy that acts as a partner is always given them.
+        """
         ...
 
 
@@ -68,6 +72,34 @@ class Samplable(Protocol):
 
     def sampled(self) -> "Policy | None":
         """The same policy with sampled actions; ``None`` if it has one way of acting after all."""
+        ...
+
+
+class Seat(NamedTuple):
+    """A policy that acts as a partner, and what it is given."""
+
+    policy: Policy
+    observe: tuple[Entry, ...]  # blocks that it sees
+    agents: tuple[int, ...]  # those whose sight it gets and whose actions it gives
+
+
+@runtime_checkable
+class Freezable(Protocol):
+    """A policy that learns, or that cannot be copied deep, has this to be a partner."""
+
+    def frozen(self) -> "Policy":
+        """A copy that acts as it does now, with a memory of its own."""
+        ...
+
+
+@runtime_checkable
+class Seatable(Protocol):
+    """A policy that knows what it has to see when it acts as a partner has this."""
+
+    def as_partner(
+        self, config: TransportConfig, agents: tuple[int, ...], *, trust: bool = False
+    ) -> Seat:
+        """Where it sits when it drives ``agents``; raises `InvalidInput` where it cannot."""
         ...
 
 
@@ -111,9 +143,9 @@ class RandomPolicy:
         self._keys = EpisodeKeys(seed)
         self._width, self._table = ACTIONS[config.action], config.table
 
-    def seed_episodes(self, seeds: IntArray) -> None:
-        """Seeds ``(world,)`` of the episodes that begin in every world now."""
-        self._keys.seed(seeds)
+    def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
+        """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
+        self._keys.seed(seeds, worlds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, agent, action_size)``, or numbers of pushes ``(world, agent)``."""

@@ -4,6 +4,7 @@ Importing this package registers its environments with Gymnasium.
 """
 
 from importlib.metadata import version
+from typing import Any
 
 from coopenv import rewards, wrench
 from coopenv.config import TransportConfig
@@ -76,10 +77,10 @@ from coopenv import (
 )
 
 
-def _find_partner(name: str) -> Partner:
-    from coopenv.agents.partners import find_partner  # where one is named: they are compiled
+def _find_partner(value: Any) -> Partner:
+    from coopenv.agents.partners import partner_of  # where one is named: they are compiled
 
-    return find_partner(name)
+    return partner_of(value)
 
 
 def _partner_kinds() -> dict[str, Maker]:

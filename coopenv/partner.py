@@ -1,7 +1,7 @@
 """Protocols of partners: who drives some of the agents, so that the others learn with somebody."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -71,14 +71,14 @@ class Player(Protocol):
         ...
 
 
-Finder: TypeAlias = Callable[[str], Partner]
-"""The partner of a name; raises `UnknownName` where there is none."""
+Finder: TypeAlias = Callable[[Any], Partner]
+"""The partner of a name, a policy's file or a policy; raises `UnknownName` where there is none."""
 
 _finders: list[Finder] = []
 
 
 def name_partners(finder: Finder) -> None:
-    """Register the function that finds partners by name; it replaces the one before.
+    """Register the function that finds partners by what stands for them; it replaces the one before.
 
     On import, `coopenv` registers one that finds those of `coopenv.agents.partners`. The core
     cannot import them, as they are themselves built on it.
@@ -86,12 +86,12 @@ def name_partners(finder: Finder) -> None:
     _finders[:] = [finder]
 
 
-def named_partner(name: str) -> Partner:
-    """The partner of that name.
+def named_partner(name: Any) -> Partner:
+    """The partner of that name, the policy of that file, or the policy itself.
 
     Raises
     ------
-    UnknownName
+    UnknownName, InvalidInput
         If there is none.
     """
     (finder,) = _finders

@@ -1,5 +1,6 @@
 """Files of learned policies: SB3's archive, and in it blueprint, normalisation and notes."""
 
+import io
 import json
 import os
 import zipfile
@@ -136,6 +137,18 @@ def load_model(
         is_normalized=notes.get(_NORMALIZED),
         traces=_TRACES in entries,
     )
+
+
+def copy_of(model: BaseAlgorithm) -> BaseAlgorithm:
+    """The model as it is now, without its environment, as SB3's own ``save`` and ``load`` make it.
+
+    A deep copy will not do: torch makes none of what a step of the training left behind.
+    """
+    buffer = io.BytesIO()
+    model.save(buffer)
+    buffer.seek(0)
+    unfilled = {"buffer_size": 1} if hasattr(model, "buffer_size") else None
+    return type(model).load(buffer, device="cpu", custom_objects=unfilled)
 
 
 def _built(

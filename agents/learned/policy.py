@@ -12,16 +12,19 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 from coopenv.arrays import BoolArray, IntArray
+from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from ..noise import EpisodeKeys
-from .files import Saved, load_model, save_model
+from ..policy import Seat
+from .files import Saved, copy_of, load_model, save_model
 from .finite import DIVERGED, has_diverged
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
 from .record import RECORD, has_learned_in_its_environment, learned_so_far, notes_now
 from .sampling import can_be_sampled, sampled
+from .seat import seats, seen_by
 from .spaces import spaces_of
 from .trained_on import check_trained_on
 
@@ -208,6 +211,39 @@ class SB3Policy:
             notes=self._notes_now(),
         )
 
+    def frozen(self) -> Self:
+        """A copy that learns no more, with a memory of its own; it acts as this one does now."""
+        return type(self)(
+            copy_of(self.model),
+            deterministic=self.deterministic,
+            normalize=self.normalization or False,
+            seed=self._seed,
+            notes=self._notes_now(),
+        )
+
+    def as_partner(
+        self, config: TransportConfig, agents: tuple[int, ...], *, trust: bool = False
+    ) -> Seat:
+        """Its seat among the ``agents`` that a partner drives: it sees what it was trained on.
+
+        Parameters
+        ----------
+        config
+            Of the environment.
+        agents
+            That it is to drive.
+        trust
+            Whether code of somebody's own that its record names may be imported, for a block.
+
+        Raises
+        ------
+        InvalidInput
+            If it cannot see that there, or was trained for other actions or another team.
+        """
+        notes = self._notes_now()
+        observe = seen_by(notes, config, trust)
+        return Seat(self, observe, seats(self._spaces, notes, observe, config, agents))
+
     def _notes_now(self) -> Mapping[str, Any]:
         """The notes, their record that of the environment in which the model learned last."""
         if RECORD not in self.notes:
@@ -224,9 +260,9 @@ class SB3Policy:
         known = len(self._fresh) == len(mask)
         self._fresh = self._fresh | mask if known else np.ones(len(mask), dtype=np.bool_)
 
-    def seed_episodes(self, seeds: IntArray) -> None:
-        """Seeds ``(world,)`` of the episodes that begin in every world now."""
-        self._keys.seed(seeds)
+    def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
+        """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
+        self._keys.seed(seeds, worlds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, learner, action_size)``, or numbers of pushes ``(world, learner)``.

@@ -1,5 +1,6 @@
 """Spaces of a learned policy against the environment that it is to act in."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -9,6 +10,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
+from coopenv.observation import Observation
 from coopenv.pushes import MOST_PUSHES
 from coopenv.transport import Transport
 
@@ -36,6 +38,10 @@ class Spaces:
         InvalidInput
             If the policy was trained on other sizes, or actions of another range.
         """
+        return self.agents_in_row((num_agents,), size, width)
+
+    def agents_in_row(self, counts: Sequence[int], size: int, width: int) -> int:
+        """As `check_sizes`, for teams of the first of ``counts`` that it fits, or one agent."""
         box: Any = self.action_space
         if self.pushes is None and ((box.low != -1).any() or (box.high != 1).any()):
             raise InvalidInput(
@@ -43,13 +49,13 @@ class Spaces:
                 "kind of environment"
             )
         given = width if self.pushes is None else 1
-        for agents in (num_agents, 1):
+        for agents in (*counts, 1):
             if (self.features, self.actions) == (agents * size, agents * given):
                 return agents
         raise InvalidInput(
             f"obs and action must have the sizes the policy was trained on, {self.features} "
             f"features in and {self.actions} numbers out, for the team or each agent, got "
-            f"{num_agents} agents with {size} and {given} each; evaluate it with the observe=, "
+            f"{counts[0]} agents with {size} and {given} each; evaluate it with the observe=, "
             "action= and number of agents of its training"
         )
 
@@ -64,14 +70,18 @@ class Spaces:
         InvalidInput
             If sizes or the bounds of what is seen show one, or it chooses from other pushes.
         """
-        seen = core.observation
         there = None if core.table is None else len(core.table)
         if self.pushes != there:
             raise InvalidInput(
                 f"action must be what the policy was trained with, {_said(self.pushes)}, got "
                 f"{_said(there)}; evaluate it with the action= and pushes= of its training"
             )
-        agents = self.check_sizes(len(core.learners), seen.size, core.action_size)
+        agents = self.check_sizes(len(core.learners), core.observation.size, core.action_size)
+        self.check_bounds(core.observation, agents)
+        return agents
+
+    def check_bounds(self, seen: Observation, agents: int) -> None:
+        """Raise `InvalidInput` if bounds of ``seen``, of so many agents a row, show other blocks."""
         bounded = np.tile(np.isfinite(seen.low) | np.isfinite(seen.high), agents)
         if self.bounded.any() and (self.bounded != bounded).any():
             feature = int(np.flatnonzero(self.bounded != bounded)[0]) % seen.size
@@ -81,7 +91,6 @@ class Spaces:
                 f"where it knew another (feature {feature} of an agent); evaluate it with the "
                 "observe= of its training"
             )
-        return agents
 
 
 def spaces_of(model: BaseAlgorithm) -> Spaces:

@@ -25,7 +25,7 @@ def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> 
     agents
         How many of its learners share a row of the policy.
     """
-    environment, training = (_part(notes, name) for name in ("environment", "training"))
+    environment, training = (part_of(notes, name) for name in ("environment", "training"))
     observe = environment.get("observe")
     trained = [_name(entry) for entry in observe] if isinstance(observe, list) else []
     seen = list(core.observation.blocks)
@@ -47,7 +47,7 @@ def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> 
         )
 
 
-def _part(notes: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+def part_of(notes: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     """A part of the record; empty where there is none."""
     record = notes.get(RECORD)
     part = record.get(name) if isinstance(record, Mapping) else None

@@ -1,11 +1,19 @@
-"""Scripted partners: ``partner="follower"`` in any view, or an object for other numbers."""
+"""Partners: ``partner="follower"`` in any view, a trained policy's file, or an object.
+
+Scripted ones have a name, and other numbers as an object; a policy is a partner as it is.
+"""
+
+import os
+from typing import Any
 
 from coopenv.config import TransportConfig
 from coopenv.errors import UnknownName
+from coopenv.partner import Partner
 from coopenv.tasks import RollingTask
 
 from .combined import Lagging, Noisy, Population, Switching
 from .kinds import Follower, Impedance, Leader, LoadSharing, Stubborn
+from .learned import LearnedPartner, PolicyPartner, is_file_name, trusting
 from .person import Kind, Person
 from .walking import Robot, Walking
 
@@ -18,9 +26,11 @@ __all__ = [
     "Kind",
     "Lagging",
     "Leader",
+    "LearnedPartner",
     "LoadSharing",
     "Noisy",
     "Person",
+    "PolicyPartner",
     "Population",
     "Robot",
     "Stubborn",
@@ -28,6 +38,8 @@ __all__ = [
     "Walking",
     "default_partner",
     "find_partner",
+    "partner_of",
+    "trusting",
 ]
 
 PARTNERS: dict[str, Kind] = {
@@ -66,3 +78,18 @@ def find_partner(name: str) -> Kind:
     if name not in PARTNERS:
         raise UnknownName("partner", name, PARTNERS)
     return PARTNERS[name]
+
+
+def partner_of(value: Any) -> Partner:
+    """The partner for which a name, a policy's file or a policy stands.
+
+    A name is one of `PARTNERS`; text with a folder or ``.zip`` is a file, and so is a path.
+
+    Raises
+    ------
+    UnknownName, InvalidInput
+        If it is no such name, file or policy.
+    """
+    if is_file_name(value) and value not in PARTNERS:
+        return LearnedPartner(path=os.fspath(value))
+    return find_partner(value) if isinstance(value, str) else PolicyPartner(policy=value)

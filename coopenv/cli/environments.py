@@ -62,19 +62,28 @@ def environments_of(
         If a record cannot be read, or the options do not go with it.
     """
     if choice.env != RECORDED:
-        return dict.fromkeys(named, Environment(choice.env, choice.config())), []
+        only = Environment(choice.env, _trusting(choice.config(), trust))
+        return dict.fromkeys(named, only), []
     found: dict[str, Environment] = {}
     notes: list[str] = []
     for label, name in named.items():
         if Path(name).is_file():
             environment, note = _recorded(Path(name), trust)
-            found[label] = replace(environment, config=choice.over(environment.config))
+            config = _trusting(choice.over(environment.config), trust)
+            found[label] = replace(environment, config=config)
             notes += note
     default = EnvironmentChoice().env
     others = next(iter(found.values()), None) or Environment(
-        default, choice.over(find_config(default, {}))
+        default, _trusting(choice.over(find_config(default, {})), trust)
     )
     return {label: found.get(label, others) for label in named}, notes
+
+
+def _trusting(config: TransportConfig, trust: Trust) -> TransportConfig:
+    """The configuration, its partner's file trusted where all of what files hold is."""
+    from coopenv.agents.partners import trusting
+
+    return trusting(config) if trust is True else config
 
 
 def _recorded(path: Path, trust: Trust) -> tuple[Environment, list[str]]:

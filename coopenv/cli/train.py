@@ -40,7 +40,8 @@ class Train:
     config: Path | None = None
     """.toml or .json file with options, such as config.json of a run; those that are given win."""
     trust: bool = False
-    """Import the module that the file of options names before its id (module:id)."""
+    """Import the module that the file of options names before its id (module:id), and run what the
+    file of a partner holds."""
 
     @classmethod
     def configured(cls, path: Path, trust: Trust = False) -> Self:
@@ -64,26 +65,29 @@ class Train:
     def _run(self) -> None:
         from rich.console import Console
 
+        from coopenv.agents.partners import trusting
         from coopenv.agents.train import train
 
+        config = self.training.environment.config()
+        config = trusting(config) if self.trust else config
         console = Console()
         tell = partial(console.print, markup=False)
         with _training_progress(self.training.steps, console) as report:
-            trained = train(self.training, report=report, tell=tell)
+            trained = train(self.training, environment=config, report=report, tell=tell)
         try:
-            self._evaluate(trained, console)
+            self._evaluate(trained, config, console)
         except KeyboardInterrupt as stop:
             raise KeyboardInterrupt(
                 f"interrupted; the trained policy is {self.training.out / 'policy.zip'}, and the "
                 "same command goes straight to its evaluation"
             ) from stop
 
-    def _evaluate(self, trained: "Policy", console: "Console") -> None:
+    def _evaluate(self, trained: "Policy", config: TransportConfig, console: "Console") -> None:
         """Compare with other policies, draw an episode, say what was written."""
         from coopenv.agents.controllers import RandomPolicy, find_controller
         from coopenv.agents.evaluate import compare, save, table
 
-        out, config = self.training.out, self.training.environment.config()
+        out = self.training.out
         with console.status(f"evaluating on {self.episodes} held-out episodes"):
             policies: dict[str, Policy] = {
                 "trained PPO": trained,

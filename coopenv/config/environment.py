@@ -91,8 +91,10 @@ class TransportConfig:
         under ``body``. ``None``: nothing.
     partner
         Who drives some of the agents, so that the others learn with somebody: a
-        `coopenv.partner.Partner`, or the name of one in `coopenv.agents.partners.PARTNERS`.
-        Whatever ``informed`` says, it knows its own plan.
+        `coopenv.partner.Partner`, the name of one in `coopenv.agents.partners.PARTNERS`, the file
+        of a trained policy (`coopenv.agents.partners.LearnedPartner`), or anything that is called
+        as a `coopenv.agents.policy.Policy` (`coopenv.agents.partners.PolicyPartner`). Whatever
+        ``informed`` says, a scripted one knows its own plan; a policy is told what its agents are.
     partner_agents
         The agents it drives, by number; ``None``: those that the task names, which is the last
         one of a beam, and of a walker the human.

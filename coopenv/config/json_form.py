@@ -2,8 +2,10 @@
 
 An object is ``{"kind": its public name, field: value, …}`` with all its fields, a tuple an array.
 What is no coopenv class has ``module:name`` for its kind, the hash of its source and its fields.
+A field of a coopenv class that is called ``trust`` is never written: the reader says it.
 """
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from inspect import signature
@@ -20,6 +22,7 @@ from coopenv.observation import BLOCKS, Block, RangeReading, ranges
 from coopenv.rewards import RewardSum
 
 _NOT_FINITE = ("inf", "-inf")
+_TRUST = "trust"  # field of a kind
 
 
 def written(value: Any, part: str) -> Any:
@@ -71,6 +74,7 @@ def _written_fields(value: Any, part: str) -> dict[str, Any]:
     given = {entry.name: getattr(value, entry.name) for entry in fields(value) if entry.init}
     if ours:
         leaves = leaves_of(type(value))
+        given.pop(_TRUST, None)
         given = {name: fitted(v, leaves[name], f"{part}.{name}") for name, v in given.items()}
     inside = {name: written(item, f"{part}.{name}") for name, item in given.items()}
     if ours:
@@ -102,9 +106,12 @@ def read(value: Any, part: str, trust: Trust) -> Any:
     if ":" in kind:
         return _read_own(kind, rest, part, trust)
     maker = find_kind(kind, f"kind of {part}")
-    given = _values(rest, list(signature(maker).parameters), part, trust)
+    known = list(signature(maker).parameters)
+    given = _values(rest, [name for name in known if name != _TRUST], part, trust)
     leaves = leaves_of(maker)
     fitting = {name: fitted(v, leaves[name], f"{part}.{name}") for name, v in given.items()}
+    if _TRUST in known:
+        fitting[_TRUST] = trust is True
     return _made(maker, fitting, part)
 
 
@@ -201,8 +208,12 @@ def shown(value: Any, part: str) -> Any:
     """
     if isinstance(value, Mapping) and not isinstance(value, RewardSum):
         return {name: shown(item, f"{part}.{name}") for name, item in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
     if isinstance(value, list | tuple):
         return [shown(item, part) for item in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
     try:
         found = written(value, part)
         read(found, part, trust=False)

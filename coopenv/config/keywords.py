@@ -1,5 +1,6 @@
 """Reading of an environment's keywords, and of what JSON makes of their values."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
@@ -156,15 +157,15 @@ def _of_task(entry: Any, own: Mapping[str, Block]) -> Any:
 
 
 def read_partner(value: Any) -> Partner | None:
-    """The partner of that name; anything else has to be one, or None."""
-    if isinstance(value, str):
+    """The partner of that name, of a policy's file or a policy; else it has to be one, or None."""
+    if value is None or (isinstance(value, Partner) and not isinstance(value, type)):
+        return value
+    if isinstance(value, str | os.PathLike) or (callable(value) and not isinstance(value, type)):
         return named_partner(value)
-    if value is not None and (isinstance(value, type) or not isinstance(value, Partner)):
-        raise InvalidInput(
-            f"partner must be a name or have a method player(config, num_worlds, agents), got "
-            f"{value!r}; see coopenv.agents.partners"
-        )
-    return value
+    raise InvalidInput(
+        f"partner must be a name, the file of a policy, a policy, or have a method "
+        f"player(config, num_worlds, agents), got {value!r}; see coopenv.agents.partners"
+    )
 
 
 def built(value: Any, name: str, kind: type) -> Any:

@@ -32,10 +32,14 @@ def written_name(thing: Any, part: str) -> dict[str, str]:
     found = _inside(sys.modules.get(module or ""), name or "")
     path = _source(module or "")
     if module in _SCRIPTS or found is not thing or path is None:
+        remedy = (
+            "save it, and give the name of its file in its place"
+            if hasattr(thing, "save")
+            else "define it at the top of a module of your own, a .py file that is imported: not "
+            "in the script that runs, not in a function, not as a lambda"
+        )
         raise InvalidInput(
-            f"{part} must be something that a file can name, got {thing!r}; define it at the top "
-            "of a module of your own, a .py file that is imported: not in the script that runs, "
-            "not in a function, not as a lambda"
+            f"{part} must be something that a file can name, got {thing!r}; {remedy}"
         )
     return {"name": f"{module}:{name}", "sha256": read_hash(path)}
 

@@ -24,10 +24,10 @@ class TransportSpec(EnvSpec):
         Raises
         ------
         InvalidInput
-            If another configuration, or none, would be read from it.
+            If another configuration, or none, would be read from it; the message names the part.
         """
         kwargs = {name: shown(value, name) for name, value in self.kwargs.items()}
-        text = EnvSpec.to_json(replace(self, kwargs=kwargs))
+        text = _text(replace(self, kwargs=kwargs))
         wanted, read = _config(self, self.kwargs), _config(self, json.loads(text)["kwargs"])
         for name in (entry.name for entry in fields(TransportConfig)):
             mine, other = getattr(wanted, name), getattr(read, name)
@@ -97,6 +97,36 @@ def asked_horizon() -> dict[str, int]:
             f"specification that has one, got horizon={wanted} beside its {limit}; rename it"
         )
     return {"max_episode_steps": limit}
+
+
+def _text(spec: "TransportSpec") -> str:
+    """What Gymnasium writes; raises `InvalidInput` that names what it cannot write."""
+    try:
+        return EnvSpec.to_json(spec)
+    except (TypeError, ValueError) as error:
+        alone = {
+            name: replace(spec, kwargs={name: value}, additional_wrappers=())
+            for name, value in spec.kwargs.items()
+        }
+        part = next((name for name, one in alone.items() if not _is_writable(one)), None)
+        what = "a wrapper" if part is None else part
+        remedy = (
+            "write the specification of env.unwrapped, and wrap what is made from it"
+            if part is None
+            else "make it a default of an id of its own (coopenv.register)"
+        )
+        got = spec.additional_wrappers if part is None else spec.kwargs[part]
+        raise InvalidInput(
+            f"{what} must be something that JSON can hold, got {got!r} ({error}); {remedy}"
+        ) from error
+
+
+def _is_writable(spec: "TransportSpec") -> bool:
+    try:
+        EnvSpec.to_json(spec)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def defaults_of(spec: EnvSpec) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.chance import Keys
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation.block import Block, side_by_side
 from coopenv.observation.blocks import BLOCKS, DEFAULT_BLOCKS
@@ -81,11 +82,12 @@ class Observation:
         self._is_whole_view = chosen == list(VIEW) and not self._instruments
 
     def __call__(
-        self, transition: Transition, worlds: IntArray | None = None
+        self, transition: Transition, worlds: IntArray | None = None, keys: Keys | None = None
     ) -> npt.NDArray[np.float32]:
         """What every agent sees after ``transition``: ``(world, agent, size)``, a fresh array.
 
         ``worlds`` says which ones the rows of ``transition`` are of, if it is not all of them.
+        ``keys`` ``(row,)`` are those of the sensors' errors, if not the episodes' own.
         Delayed readings are right where every step of an episode has been read once, in order.
         """
         return self.read(transition, worlds)[0]
@@ -114,7 +116,7 @@ class Observation:
             where = self.blocks[name]
             truth = np.ascontiguousarray(seen[..., where])
             rows = self._all_worlds if worlds is None else worlds
-            seen[..., where] = instruments(truth, transition, rows)
+            seen[..., where] = instruments(truth, transition, rows, keys)
         return seen
 
 

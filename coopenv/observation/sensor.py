@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import LARGEST, IntArray, finite_array, whole
-from coopenv.chance import mixed, normal
+from coopenv.chance import Keys, mixed, normal
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.observation.block import Block
@@ -115,16 +115,21 @@ class Instruments:
         self._kept = _room((sensor.delay + 1, num_worlds, num_agents, width))
 
     def __call__(
-        self, seen: npt.NDArray[np.float32], transition: Transition, worlds: IntArray
+        self,
+        seen: npt.NDArray[np.float32],
+        transition: Transition,
+        worlds: IntArray,
+        keys: Keys | None = None,
     ) -> npt.NDArray[np.float32]:
         """What is read instead of the truth ``seen`` ``(row, agent, feature)``, in its place.
 
-        Row k of it and of ``transition`` is of world ``worlds[k]``.
+        Row k of it and of ``transition`` is of world ``worlds[k]``. Errors are those of ``keys``
+        ``(row,)``; ``None``: of the episodes' own.
         """
         conditions = transition.conditions
         steps = np.rint(transition.next_state.time / transition.dt).astype(np.int64)
         if self._is_random and self._features.size:
-            key, stream = conditions.key, self._stream
+            key, stream = conditions.key if keys is None else keys, self._stream
             _err(seen, steps, worlds, key, stream, self._features, self._offset)
             _hide(seen, conditions.told, self._needed)
         if len(self._kept) > 1:

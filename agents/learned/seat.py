@@ -1,0 +1,96 @@
+"""Seat of a learned policy: what it sees and whom it drives as a partner, by what its file records.
+
+A partner may act in an environment that shows the learners other blocks, so the policy's own are
+read for it. Its record says which they are; sizes say how many agents share a row.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from coopenv.config import ACTIONS, TransportConfig
+from coopenv.config.document import KIND, VERSION, fields_in
+from coopenv.config.keywords import read_observe
+from coopenv.config.own_code import Trust
+from coopenv.errors import CoopenvError, InvalidInput
+from coopenv.observation import Entry, Observation
+from coopenv.tasks import RollingTask
+
+from .spaces import Spaces
+from .trained_on import part_of
+
+
+def seen_by(notes: Mapping[str, Any], config: TransportConfig, trust: Trust) -> tuple[Entry, ...]:
+    """The blocks on which a policy was trained; without a record those of the environment.
+
+    Raises
+    ------
+    InvalidInput
+        If one of them is not to be had in this environment, or is code that is not trusted.
+    """
+    environment = part_of(notes, "environment")
+    if "observe" not in environment:
+        return tuple(config.observe)
+    kept = {"kind": KIND, "version": VERSION, "observe": environment["observe"]}
+    try:
+        entries = fields_in(json.dumps(kept), tuple(kept), trust)["observe"]
+        return read_observe(None, entries, config.task)
+    except CoopenvError as error:
+        raise InvalidInput(
+            "partner must see what it was trained on, which cannot be read in this environment: "
+            f"{error}"
+        ) from error
+
+
+def seats(
+    spaces: Spaces,
+    notes: Mapping[str, Any],
+    observe: Sequence[Entry],
+    config: TransportConfig,
+    agents: tuple[int, ...],
+) -> tuple[int, ...]:
+    """The agents whose sight a policy gets when it drives ``agents``.
+
+    A policy of the whole team sees all of them, and what it would do with the others is left out.
+
+    Raises
+    ------
+    InvalidInput
+        If it was trained on other sizes, for a team of another size, or as another kind of agent.
+    """
+    seen = Observation(observe, config.num_agents)
+    counts = config.num_agents, len(agents)
+    try:
+        in_row = spaces.agents_in_row(counts, seen.size, ACTIONS[config.action])
+        spaces.check_bounds(seen, in_row)
+    except InvalidInput as error:
+        raise InvalidInput(f"partner must have learned in a team like this one: {error}") from error
+    control = part_of(notes, "training").get("control", "shared")  # not known: no team is refused
+    if in_row == 1 and len(agents) > 1 and control != "shared":
+        raise InvalidInput(
+            f"partner_agents must name one agent for a policy that was trained for one "
+            f"(control={control!r}), got {agents}; name one, or train it with control='shared'"
+        )
+    chosen = tuple(range(config.num_agents)) if in_row == config.num_agents else agents
+    if in_row < config.num_agents and control != "shared":
+        _check_role(part_of(notes, "environment"), config, chosen)
+    return chosen
+
+
+def _check_role(
+    environment: Mapping[str, Any], config: TransportConfig, agents: tuple[int, ...]
+) -> None:
+    """Raise if it learned as another agent than those it drives, where agents are not alike."""
+    if not isinstance(config.task, RollingTask) or environment.get("partner") is None:
+        return
+    named = environment.get("partner_agents")
+    driven = config.task.partner_agents(config.num_agents) if named is None else named
+    if not isinstance(driven, Sequence):
+        return
+    learned_as = tuple(agent for agent in range(config.num_agents) if agent not in driven)
+    if learned_as != agents:
+        raise InvalidInput(
+            f"partner_agents must be those as which the policy was trained, {learned_as}, as the "
+            f"agents of a body on wheels are not alike, got {agents}; pass "
+            f"partner_agents={learned_as}"
+        )
