@@ -78,7 +78,7 @@ _finders: list[Finder] = []
 
 
 def name_partners(finder: Finder) -> None:
-    """Register the function that finds partners by what stands for them; it replaces the one before.
+    """Register the function that finds a partner by what stands for it, in place of the last one.
 
     On import, `coopenv` registers one that finds those of `coopenv.agents.partners`. The core
     cannot import them, as they are themselves built on it.

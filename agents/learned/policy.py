@@ -218,7 +218,7 @@ class SB3Policy:
             deterministic=self.deterministic,
             normalize=self.normalization or False,
             seed=self._seed,
-            notes=self._notes_now(),
+            notes=notes_now(self.model, self.notes, learned_on=self._has_learned_on).entries,
         )
 
     def as_partner(

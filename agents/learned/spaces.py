@@ -81,7 +81,7 @@ class Spaces:
         return agents
 
     def check_bounds(self, seen: Observation, agents: int) -> None:
-        """Raise `InvalidInput` if bounds of ``seen``, of so many agents a row, show other blocks."""
+        """Raise `InvalidInput` if bounds of ``seen``, for ``agents`` a row, show other blocks."""
         bounded = np.tile(np.isfinite(seen.low) | np.isfinite(seen.high), agents)
         if self.bounded.any() and (self.bounded != bounded).any():
             feature = int(np.flatnonzero(self.bounded != bounded)[0]) % seen.size

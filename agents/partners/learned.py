@@ -130,7 +130,11 @@ class PolicyPartner:
     policy: Callable[..., Any]
 
     def __post_init__(self) -> None:
-        if not callable(self.policy) or isinstance(self.policy, type) or not _takes_two(self.policy):
+        if (
+            not callable(self.policy)
+            or isinstance(self.policy, type)
+            or not _takes_two(self.policy)
+        ):
             raise InvalidInput(
                 f"partner.policy must be callable as policy(obs, transition), got {self.policy!r}; "
                 "write for example lambda obs, transition: ..."
@@ -196,7 +200,6 @@ class PolicyPlayer:
         """No pose: NaN ``(world, 3)``."""
         return np.full_like(transition.next_state.goal, np.nan)
 
-
     def _own(self, given: Any, transition: Transition) -> FloatArray:
         """The driven agents' rows of what the policy gives, for its seat or for all agents."""
         action = finite_array(given, "actions of the partner's policy")
@@ -207,7 +210,7 @@ class PolicyPlayer:
         if action.shape != wanted:
             raise InvalidInput(
                 "actions of the partner's policy must have shape (world, driven agent, "
-                f"action_size) = {wanted}, got {action.shape}; give one row for each agent it drives"
+                f"action_size) = {wanted}, got {action.shape}; give one row for each of them"
             )
         return action[:, self._rows]
 
