@@ -3,6 +3,7 @@
 import json
 import sys
 from dataclasses import fields, replace
+from enum import Enum
 from typing import Any
 
 from gymnasium.envs.registration import EnvSpec, load_env_creator, make
@@ -26,7 +27,11 @@ class TransportSpec(EnvSpec):
         InvalidInput
             If another configuration, or none, would be read from it; the message names the part.
         """
-        kwargs = {name: shown(value, name) for name, value in self.kwargs.items()}
+        plain = {
+            name: value.value if isinstance(value, Enum) else value  # Gymnasium's autoreset modes
+            for name, value in self.kwargs.items()
+        }
+        kwargs = {name: shown(value, name) for name, value in plain.items()}
         text = _text(replace(self, kwargs=kwargs))
         wanted, read = _config(self, self.kwargs), _config(self, json.loads(text)["kwargs"])
         for name in (entry.name for entry in fields(TransportConfig)):
