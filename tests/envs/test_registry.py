@@ -79,6 +79,23 @@ def test_pettingzoo_makes_an_id_of_ones_own(registered):
     assert (parallel.transport.horizon, turns.unwrapped.transport.horizon) == (30, 5)
 
 
+@pytest.mark.skipif(not PETTINGZOO_LISTS, reason="this PettingZoo has no registry")
+def test_one_call_enters_an_id_in_both_registries_or_in_none():
+    everywhere = gymnasium.registry, pettingzoo.parallel_registry, pettingzoo.aec_registry
+    coopenv.register("here/Both-v0", horizon=4)
+    try:
+        assert all("here/Both-v0" in registry for registry in everywhere)
+        coopenv.register("here/Both-v0", horizon=6)  # again, as where a module is read anew
+        parallel: Any = pettingzoo.make("parallel", "here/Both-v0")
+        single: Any = gymnasium.make("here/Both-v0")
+        assert parallel.transport.horizon == single.unwrapped.transport.horizon == 6
+        with pytest.raises(InvalidInput, match="horizon must be"):
+            coopenv.register("here/None-v0", horizon=0)
+        assert not any("here/None-v0" in registry for registry in everywhere)
+    finally:
+        forget("here/")
+
+
 def test_an_id_with_its_module_imports_it_in_gymnasium_and_here(module):
     env = gymnasium.make(f"{module}:{module}/Lift-v0", horizon=7)
     core = env.unwrapped.transport  # pyright: ignore[reportAttributeAccessIssue]
@@ -111,7 +128,7 @@ def test_a_module_that_keeps_the_views_is_where_gymnasium_finds_them(tmp_path, m
     )
     monkeypatch.syspath_prepend(tmp_path)
     made = gymnasium.make("plates_v0:plates/Plates-v0").unwrapped
-    plates = sys.modules.pop("plates_v0")
+    plates = sys.modules["plates_v0"]
     try:
         spec = gymnasium.spec("plates/Plates-v0")
         assert spec.entry_point == "plates_v0:single_env"
@@ -120,10 +137,16 @@ def test_a_module_that_keeps_the_views_is_where_gymnasium_finds_them(tmp_path, m
             core = env.transport  # pyright: ignore[reportAttributeAccessIssue]
             assert (core.num_agents, core.horizon) == (3, 9)
         assert str(plates.parallel_env()) == "plates_v0"
+        if PETTINGZOO_LISTS:
+            for kind, made in (("parallel", plates.parallel_env()), ("aec", plates.env())):
+                other: Any = pettingzoo.make(kind, "plates/Plates-v0", horizon=9)
+                assert other.possible_agents == made.possible_agents
+                assert other.unwrapped.transport.config == plates.vector_env(2).transport.config
         beam = gymnasium.spec("coopenv/BeamTransport-v0")
         assert beam.entry_point == "coopenv.beam_transport_v0:single_env"
         assert not beam.kwargs
     finally:
+        sys.modules.pop("plates_v0")
         forget("plates/")
 
 
