@@ -22,8 +22,9 @@ NAMES: dict[str, tuple[str, ...]] = {
         "Gains", "ImpedanceController", "RandomPolicy", "approach", "wrapped",
     ),
     "coopenv.agents.partners": (
-        "DEFAULT", "PARTNERS", "Follower", "Impedance", "Kind", "Lagging", "Leader", "LoadSharing",
-        "Noisy", "Person", "Population", "Stubborn", "Switching", "find_partner",
+        "DEFAULT", "PARTNERS", "Follower", "Impedance", "Kind", "Lagging", "Leader",
+        "LearnedPartner", "LoadSharing", "Noisy", "Person", "PolicyPartner", "Population",
+        "Stubborn", "Switching", "find_partner", "partner_of",
     ),
     "coopenv.agents.sb3": (
         "FallingRate", "SB3Policy", "Scaled", "TransportVecEnv", "feature_scale", "make_vec_env",

@@ -19,6 +19,8 @@ from coopenv.tasks import RollingTask
 from .spaces import Spaces
 from .trained_on import part_of
 
+_OWN_BLOCKS = "; blocks of your own need a file, and LearnedPartner(path=..., trust=True)"
+
 
 def seen_by(notes: Mapping[str, Any], config: TransportConfig, trust: Trust) -> tuple[Entry, ...]:
     """The blocks on which a policy was trained; without a record those of the environment.
@@ -36,9 +38,10 @@ def seen_by(notes: Mapping[str, Any], config: TransportConfig, trust: Trust) -> 
         entries = fields_in(json.dumps(kept), tuple(kept), trust)["observe"]
         return read_observe(None, entries, config.task)
     except CoopenvError as error:
+        own = not trust and '"sha256"' in json.dumps(kept)
         raise InvalidInput(
             "partner must see what it was trained on, which cannot be read in this environment: "
-            f"{error}"
+            f"{error}{_OWN_BLOCKS * own}"
         ) from error
 
 

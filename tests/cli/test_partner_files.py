@@ -35,13 +35,13 @@ def learned(out: Path, *options: str) -> int:
 def test_a_policy_learns_beside_a_file_and_is_evaluated_beside_it(file, tmp_path, capsys):
     assert learned(tmp_path, f"--partner={file}") == 0
     title = f"partner {file}"
-    assert title in capsys.readouterr().out.replace("\n", "")
+    assert title in " ".join(capsys.readouterr().out.split())
     record = Provenance.read(tmp_path / "policy.zip")
     assert record is not None
     assert record.environment["partner"]["path"] == str(file)
     policy = str(tmp_path / "policy.zip")
     assert cli.main(["evaluate", policy, "--episodes=2"]) == 0
-    assert title in capsys.readouterr().out.replace("\n", "")
+    assert title in " ".join(capsys.readouterr().out.split())
     assert cli.main(["evaluate", "scripted", "--episodes=2", f"--partner={policy}"]) == 0
 
 

@@ -85,7 +85,8 @@ def test_one_call_enters_an_id_in_both_registries_or_in_none():
     coopenv.register("here/Both-v0", horizon=4)
     try:
         assert all("here/Both-v0" in registry for registry in everywhere)
-        coopenv.register("here/Both-v0", horizon=6)  # again, as where a module is read anew
+        with pytest.warns(UserWarning, match="Overriding"):
+            coopenv.register("here/Both-v0", horizon=6)  # again, as where a module is read anew
         parallel: Any = pettingzoo.make("parallel", "here/Both-v0")
         single: Any = gymnasium.make("here/Both-v0")
         assert parallel.transport.horizon == single.unwrapped.transport.horizon == 6
