@@ -1,4 +1,4 @@
-"""The file of a policy as a partner on the command line: trained beside, evaluated beside, shown."""
+"""The file of a policy as a partner on the command line."""
 
 import json
 from pathlib import Path
