@@ -163,7 +163,7 @@ def _everybody() -> tuple[Kind, ...]:
 def _kind(value: object, name: str) -> Kind:
     if not isinstance(value, Kind):
         raise InvalidInput(
-            f"{name} must be a scripted partner of coopenv.agents.partners, got {value!r}; "
+            f"{name} must be a partner of coopenv.agents.partners, got {value!r}; "
             "pass for example Follower()"
         )
     return value

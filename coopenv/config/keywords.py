@@ -163,8 +163,8 @@ def read_partner(value: Any) -> Partner | None:
     if isinstance(value, str | os.PathLike) or (callable(value) and not isinstance(value, type)):
         return named_partner(value)
     raise InvalidInput(
-        f"partner must be a name, the file of a policy, a policy, or have a method "
-        f"player(config, num_worlds, agents), got {value!r}; see coopenv.agents.partners"
+        f"partner must be a name or have a method player(config, num_worlds, agents), or be a "
+        f"policy or its file, got {value!r}; see coopenv.agents.partners"
     )
 
 
