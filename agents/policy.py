@@ -6,9 +6,10 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.observation import Entry
+from coopenv.observation.bounds import Bounds
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
@@ -81,6 +82,8 @@ class Seat(NamedTuple):
     policy: Policy
     observe: tuple[Entry, ...]  # blocks that it sees
     agents: tuple[int, ...]  # those whose sight it gets and whose actions it gives
+    table: FloatArray | None = None  # (push, 3): what its numbers stand for, if it gives such
+    bounds: Bounds | None = None  # to which what it sees is clipped
 
 
 @runtime_checkable

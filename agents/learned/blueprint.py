@@ -85,7 +85,8 @@ def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: i
         raise ValueError("its blueprint lacks or adds something")
     spaces = {name: space_of(blueprint["spaces"][name]) for name in _SPACES}
     keywords = revived(blueprint["policy_kwargs"])
-    (features,) = spaces["observation_space"].shape or ()
+    observed: Any = spaces["observation_space"]
+    (features,) = observed.shape
     _check_sizes(keywords, features, count)
     if flatdim(spaces["action_space"]) * _last_width(keywords) > count:
         raise ValueError("it chooses from more than its weights can tell apart")
@@ -194,8 +195,8 @@ def _last_width(keywords: dict[str, Any]) -> int:
     """Units before those that tell the action, where the keywords say how many."""
     layers = keywords.get("net_arch")
     layers = layers.get("pi") if isinstance(layers, dict) else layers
-    known = isinstance(layers, list | tuple) and layers and type(layers[-1]) is int
-    return abs(layers[-1]) if known else 1
+    last = layers[-1] if isinstance(layers, list | tuple) and layers else 1
+    return abs(last) if type(last) is int else 1
 
 
 def _sizes(value: Any, before: int) -> Iterator[int]:

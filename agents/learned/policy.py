@@ -14,6 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from coopenv.arrays import BoolArray, IntArray
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
+from coopenv.observation import Observation
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
@@ -24,7 +25,7 @@ from .finite import DIVERGED, has_diverged
 from .normalization import Normalization, Normalize, find_normalization, trained_normalized
 from .record import RECORD, has_learned_in_its_environment, learned_so_far, notes_now
 from .sampling import can_be_sampled, sampled
-from .seat import seats, seen_by
+from .seat import bounds_for, pushes_of, seats, seen_by
 from .spaces import spaces_of
 from .trained_on import check_trained_on
 
@@ -242,7 +243,10 @@ class SB3Policy:
         """
         notes = self._notes_now()
         observe = seen_by(notes, config, trust)
-        return Seat(self, observe, seats(self._spaces, notes, observe, config, agents))
+        bounds = bounds_for(notes, config)
+        seen = Observation(observe, config.num_agents, bounds=bounds)
+        chosen = seats(self._spaces, notes, seen, config, agents)
+        return Seat(self, observe, chosen, pushes_of(self._spaces, notes, config), bounds)
 
     def _notes_now(self) -> Mapping[str, Any]:
         """The notes, their record that of the environment in which the model learned last."""

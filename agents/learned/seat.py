@@ -6,17 +6,21 @@ read for it. Its record says which they are; sizes say how many agents share a r
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+from coopenv.arrays import FloatArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.config.document import KIND, VERSION, fields_in
 from coopenv.config.keywords import read_observe
 from coopenv.config.own_code import Trust
 from coopenv.errors import CoopenvError, InvalidInput
 from coopenv.observation import Entry, Observation
+from coopenv.observation.bounds import Bounds
+from coopenv.pushes import read_pushes, table_of
 from coopenv.tasks import RollingTask
 
-from .spaces import Spaces
+from .spaces import Spaces, said
 from .trained_on import part_of
 
 _OWN_BLOCKS = "; blocks of your own need a file, and LearnedPartner(path=..., trust=True)"
@@ -45,10 +49,17 @@ def seen_by(notes: Mapping[str, Any], config: TransportConfig, trust: Trust) -> 
         ) from error
 
 
+def bounds_for(notes: Mapping[str, Any], config: TransportConfig) -> Bounds | None:
+    """Those of this environment, for a policy that was trained on ``bounded`` observations."""
+    if part_of(notes, "environment").get("bounded") is not True:
+        return None
+    return replace(config, bounded=True).bounds()
+
+
 def seats(
     spaces: Spaces,
     notes: Mapping[str, Any],
-    observe: Sequence[Entry],
+    seen: Observation,
     config: TransportConfig,
     agents: tuple[int, ...],
 ) -> tuple[int, ...]:
@@ -61,7 +72,6 @@ def seats(
     InvalidInput
         If it was trained on other sizes, for a team of another size, or as another kind of agent.
     """
-    seen = Observation(observe, config.num_agents)
     counts = config.num_agents, len(agents)
     try:
         in_row = spaces.agents_in_row(counts, seen.size, ACTIONS[config.action])
@@ -78,6 +88,35 @@ def seats(
     if in_row < config.num_agents and control != "shared":
         _check_role(part_of(notes, "environment"), config, chosen)
     return chosen
+
+
+def pushes_of(
+    spaces: Spaces, notes: Mapping[str, Any], config: TransportConfig
+) -> FloatArray | None:
+    """``(push, 3)``: what a policy's numbers stand for, as it is recorded; ``None`` for a box.
+
+    Raises
+    ------
+    InvalidInput
+        If it is not known, or has a torque that agents do not give here.
+    """
+    if spaces.pushes is None:
+        return None
+    recorded = part_of(notes, "environment").get("pushes")
+    table = config.table if recorded is None else table_of(read_pushes(recorded))
+    if table is None or len(table) != spaces.pushes:
+        there = None if table is None else len(table)
+        raise InvalidInput(
+            f"partner must choose from pushes that are known, {said(spaces.pushes)}, got "
+            f"{said(there)}; give the pushes= of its training to an environment with "
+            "action='discrete'"
+        )
+    if config.action == "force" and table[:, 2].any():
+        raise InvalidInput(
+            "action must be 'wrench' or 'discrete' beside a partner whose pushes have a torque, "
+            "got 'force'; choose another action"
+        )
+    return table
 
 
 def _check_role(

@@ -73,8 +73,8 @@ class Spaces:
         there = None if core.table is None else len(core.table)
         if self.pushes != there:
             raise InvalidInput(
-                f"action must be what the policy was trained with, {_said(self.pushes)}, got "
-                f"{_said(there)}; evaluate it with the action= and pushes= of its training"
+                f"action must be what the policy was trained with, {said(self.pushes)}, got "
+                f"{said(there)}; evaluate it with the action= and pushes= of its training"
             )
         agents = self.check_sizes(len(core.learners), core.observation.size, core.action_size)
         self.check_bounds(core.observation, agents)
@@ -129,7 +129,8 @@ def _is_of_pushes(space: Any) -> bool:
     return bool((space.nvec == space.nvec[0]).all() and not np.any(space.start))
 
 
-def _said(pushes: int | None) -> str:
+def said(pushes: int | None) -> str:
+    """The actions of an agent, in words."""
     return "numbers in [-1, 1]" if pushes is None else f"numbers of {pushes} pushes"
 
 

@@ -10,17 +10,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, IntArray, finite_array, whole
 from coopenv.chance import draw_keys
-from coopenv.config import TransportConfig
+from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry import frames
 from coopenv.observation import Observation
 from coopenv.partner import Generators
+from coopenv.pushes import check_numbers, push_numbers
 from coopenv.transition import Transition
 
 from ..policy import Freezable, Seat, Seatable, Seedable, forget
+
+_ACTIONS = "actions of the partner's policy"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,7 +153,7 @@ class PolicyPartner:
         seat = (
             own.as_partner(config, agents)
             if isinstance(own, Seatable)
-            else Seat(own, tuple(config.observe), agents)
+            else Seat(own, tuple(config.observe), agents, config.table, config.bounds())
         )
         return PolicyPlayer(seat, config, num_worlds, agents)
 
@@ -173,9 +177,10 @@ class PolicyPlayer:
         self, seat: Seat, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ):
         self._policy, self._seen = seat.policy, list(seat.agents)
-        self._driven = list(agents)
+        self._driven, self._table = list(agents), seat.table
+        self._width = ACTIONS[config.action]
         self._rows = [self._seen.index(agent) for agent in agents]
-        self._observation = Observation(seat.observe, config.num_agents, num_worlds)
+        self._observation = Observation(seat.observe, config.num_agents, num_worlds, seat.bounds)
         self._keys = np.zeros(num_worlds, dtype=np.uint64)
         self.kind: IntArray = np.zeros(num_worlds, dtype=np.int64)
 
@@ -202,17 +207,27 @@ class PolicyPlayer:
 
     def _own(self, given: Any, transition: Transition) -> FloatArray:
         """The driven agents' rows of what the policy gives, for its seat or for all agents."""
-        action = finite_array(given, "actions of the partner's policy")
         num_worlds, num_agents, width = transition.action.shape
+        action = finite_array(self._pushed(given), _ACTIONS)
         if action.shape == (num_worlds, num_agents, width):
             return action[:, self._driven]
         wanted = num_worlds, len(self._seen), width
         if action.shape != wanted:
             raise InvalidInput(
-                "actions of the partner's policy must have shape (world, driven agent, "
+                f"{_ACTIONS} must have shape (world, driven agent, "
                 f"action_size) = {wanted}, got {action.shape}; give one row for each of them"
             )
         return action[:, self._rows]
+
+    def _pushed(self, given: Any) -> npt.NDArray:
+        """The pushes that numbers stand for; anything else as it is."""
+        action = np.asarray(given)
+        if self._table is None or action.ndim != 2:
+            return action
+        count = len(self._table)
+        numbers = push_numbers(given, _ACTIONS, action.shape, count)
+        check_numbers(numbers, _ACTIONS, count)
+        return self._table[numbers][..., : self._width]
 
 
 def is_file_name(value: object) -> bool:

@@ -90,19 +90,21 @@ class Observation:
         ``keys`` ``(row,)`` are those of the sensors' errors, if not the episodes' own.
         Delayed readings are right where every step of an episode has been read once, in order.
         """
-        return self.read(transition, worlds)[0]
+        return self.read(transition, worlds, keys)[0]
 
     def read(
-        self, transition: Transition, worlds: IntArray | None = None
+        self, transition: Transition, worlds: IntArray | None = None, keys: Keys | None = None
     ) -> tuple[npt.NDArray[np.float32], BoolArray | None]:
         """What calling it gives, and ``(world, agent)`` whether any of it was clipped.
 
         ``None`` in place of the latter without ``bounds``.
         """
-        seen = self._seen(transition, worlds)
+        seen = self._seen(transition, worlds, keys)
         return seen, clip(seen, self.low, self.high) if self._is_clipped else None
 
-    def _seen(self, transition: Transition, worlds: IntArray | None) -> npt.NDArray[np.float32]:
+    def _seen(
+        self, transition: Transition, worlds: IntArray | None, keys: Keys | None
+    ) -> npt.NDArray[np.float32]:
         view = agent_view(transition)
         if self._is_whole_view:
             return view

@@ -14,7 +14,7 @@ pytest.importorskip("sb3_contrib")
 
 from gymnasium.envs.registration import EnvSpec
 
-from coopenv import DoorwayTask, Sensor, Transport, TransportConfig, beam_transport_v0
+from coopenv import PUSHES, DoorwayTask, Sensor, Transport, TransportConfig, beam_transport_v0
 from coopenv.agents import sb3
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.partners import Impedance, Lagging, LearnedPartner, PolicyPartner
@@ -354,6 +354,41 @@ def test_scripted_and_random_policies_are_partners():
     first, second = (wrenches(Transport(config=drawn), seed=3) for _ in range(2))
     np.testing.assert_array_equal(first, second)
     assert len(np.unique(first)) == first.size
+
+
+@pytest.mark.parametrize("action", ["wrench", "discrete"])
+def test_a_policy_that_chooses_pushes_does_here_what_they_stood_for_in_its_training(
+    action, tmp_path
+):
+    learned = replace(SEEN, action="discrete", pushes="compass", bounded=True)
+    venv = sb3.make_vec_env(learned, 2, control="shared")
+    path = tmp_path / "policy.zip"
+    sb3.SB3Policy(untrained(sb3_ppo(), venv), notes=venv.to_notes()).save(path)
+    core = Transport(num_worlds=40, config=replace(OTHER, action=action, partner=str(path)))
+    core.reset(seed=0)
+    assert core.transition is not None
+    policy = sb3.SB3Policy.load(path)
+    seen = Transport(num_worlds=40, config=learned)
+    given = policy(seen.reset(seed=0)[0], core.transition)[:, 1]
+    core.step(np.zeros(core.action_shape, dtype=np.float64 if action == "wrench" else np.int64))
+    np.testing.assert_array_equal(core.transition.action[:, 1], np.array(PUSHES["compass"])[given])
+    with pytest.raises(InvalidInput, match="action must be 'wrench' or 'discrete' beside a"):
+        Transport(config=replace(OTHER, action="force", partner=str(path)))
+
+
+def test_a_scripted_policy_that_gives_numbers_of_pushes_is_a_partner():
+    config = replace(SEEN, action="discrete", pushes="grid")
+    core = Transport(config=replace(config, partner=find_controller(config)))
+    core.reset(seed=0)
+    assert core.transition is not None
+    wanted = find_controller(config)(np.zeros((1, 2, 1)), core.transition)[0, 1]
+    core.step(np.zeros((1, 1), dtype=np.int64))
+    np.testing.assert_array_equal(core.transition.action[0, 1], np.array(PUSHES["grid"])[wanted])
+    wrong = replace(config, partner=lambda obs, _: np.full(obs.shape[:2], 27))
+    core = Transport(config=wrong)
+    core.reset(seed=0)
+    with pytest.raises(InvalidInput, match="must be from 0 to 26, got 27"):
+        core.step(np.zeros((1, 1), dtype=np.int64))
 
 
 def test_a_policy_of_ones_own_goes_through_json_as_ones_own_code_does():
