@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.info import COST, Info
 
 
@@ -117,6 +117,26 @@ class EpisodeSums:
             costs=costs,
             **{name: sums[name] / length for name in _MEANS},
         )
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """The sums of ``worlds``, one row each."""
+        return {
+            "length": self._length[worlds],
+            "success": self._success[worlds],
+            "sums": {name: total[worlds] for name, total in self._sums.items()},
+            "terms": {name: total[worlds] for name, total in self._terms.items()},
+        }
+
+    def set_state(self, state: dict[str, Any] | None, worlds: IntArray) -> None:
+        """Go on in ``worlds`` from what `get_state` returned; from zero for ``None``."""
+        state = state or {"length": 0, "success": False, "sums": {}, "terms": {}}
+        self._length[worlds] = state["length"]
+        self._success = with_rows(self._success, worlds, state["success"])
+        for mine, given in ((self._sums, state["sums"]), (self._terms, state["terms"])):
+            for name, rows in given.items():
+                mine.setdefault(name, np.zeros((self._num_worlds, *rows.shape[1:])))
+            for name, total in mine.items():
+                total[worlds] = given.get(name, 0.0)
 
     def _imbalance(self, share: FloatArray) -> FloatArray:
         """How far the largest share is above 1/n, ``(world,)`` in [0, 1]."""

@@ -23,6 +23,7 @@ from coopenv.envs.common import (
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.info import COST
 from coopenv.rewards.sums import check_finite
+from coopenv.snapshot import Snapshot, chosen_worlds, take_rows
 from coopenv.transport import Transport
 
 from . import partners
@@ -35,6 +36,7 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.sb3", "train") from error
 
+_SUMS = "episode_sums"  # part of a snapshot
 CONTROLS = ("joint", "shared", "partner")
 
 
@@ -140,6 +142,44 @@ class TransportVecEnv(VecEnv):
         rewards = self._of_rows(reward).astype(np.float32)
         return self._by_row(obs), rewards, np.repeat(done, self._rows), infos
 
+    def get_state(self, worlds: Sequence[int] | IntArray | None = None) -> Snapshot:
+        """As `coopenv.Transport.get_state`, with the statistics of the episodes under way.
+
+        ``worlds`` are numbers of worlds, not of rows.
+        """
+        state = self.transport.get_state(worlds)
+        chosen = chosen_worlds(worlds, self.transport.num_worlds)
+        return state.with_part(_SUMS, self._sums.get_state(chosen))
+
+    def set_state(
+        self, state: Snapshot, worlds: Sequence[int] | IntArray | None = None
+    ) -> npt.NDArray[np.float32]:
+        """Go on from a state, as `coopenv.Transport.set_state`; returns all rows' observations.
+
+        The episodes' statistics go on too, or begin here in a state of another view, which has
+        none. Worlds whose episode had ended in it begin a new one at once.
+        """
+        obs, _ = self.transport.set_state(state, worlds)
+        chosen = chosen_worlds(worlds, self.transport.num_worlds)
+        sums = state.parts.get(_SUMS)
+        if sums is not None and len(state) != len(chosen):  # one world for all
+            sums = take_rows(sums, np.zeros_like(chosen))
+        self._sums.set_state(sums, chosen)
+        transition = self.transport.transition
+        assert transition is not None
+        ended = transition.terminated | transition.truncated
+        if ended.any():
+            self._sums.set_state(None, np.flatnonzero(ended))
+            obs, _ = self.transport.reset(mask=ended)
+        return self._by_row(obs)
+
+    def __getstate__(self) -> dict[str, Any]:
+        elapsed = time.perf_counter() - self._start_time  # clocks of processes differ
+        return {**vars(self), "_start_time": elapsed}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _start_time=time.perf_counter() - state["_start_time"])
+
     def to_notes(self) -> dict[str, Any]:
         """What the file of a policy that learns in it is to say (`coopenv.agents.provenance`).
 
@@ -183,8 +223,12 @@ class TransportVecEnv(VecEnv):
     def env_method(
         self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Call a method of the core once; the answer is repeated for each index."""
-        answer = getattr(self.transport, method_name)(*method_args, **method_kwargs)
+        """Call a method of the core once; the answer is repeated for each index.
+
+        ``get_state`` and ``set_state`` are this object's own.
+        """
+        owner = self if method_name in ("get_state", "set_state") else self.transport
+        answer = getattr(owner, method_name)(*method_args, **method_kwargs)
         return [answer for _ in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:

@@ -17,6 +17,7 @@ from coopenv.physics.body import Body
 from coopenv.physics.scene import Box, Scene
 from coopenv.pushes import PUSHES
 from coopenv.randomisation import Ranges
+from coopenv.snapshot import Snapshot
 from coopenv.tasks import (
     DoorwayTask,
     Episode,
@@ -46,6 +47,7 @@ __all__ = [
     "Reference",
     "Scene",
     "Sensor",
+    "Snapshot",
     "State",
     "Task",
     "TrackingTask",

@@ -194,6 +194,12 @@ def with_items(things: Sequence[Item], rows: IntArray, values: Sequence[Item]) -
     return tuple(changed)
 
 
+def has_items(things: Sequence[Item], rows: IntArray, values: Sequence[Item]) -> bool:
+    """Whether `with_items` would change nothing."""
+    pairs = zip(rows.tolist(), values, strict=True)
+    return all(things[row] is value or things[row] == value for row, value in pairs)
+
+
 def in_rows(array: FloatArray, batch: tuple[int, ...], core: int = 2) -> FloatArray:
     """Broadcast to a batch shape and make one axis of it; the last ``core`` axes stay.
 

@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, with_items, with_rows
+from coopenv.arrays import BoolArray, FloatArray, IntArray, has_items, with_items, with_rows
 from coopenv.geometry import frames
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -165,6 +165,32 @@ class Conditions:
             key=self.key[worlds],
         )
 
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What `with_state` needs of ``worlds``, one entry each."""
+        chosen = worlds.tolist()
+        return {
+            "bodies": [self.bodies[k] for k in chosen],
+            "scenes": [self.scenes[k] for k in chosen],
+            "limits": self.team.limits[worlds],
+            "plan": self.plan[worlds],
+            "key": self.key[worlds],
+        }
+
+    def with_state(self, state: dict[str, Any], worlds: IntArray) -> "Conditions":
+        """A copy in which ``worlds`` are under the conditions that `get_state` returned."""
+        conditions, plan = self.with_keys(worlds, state["key"]), state["plan"]
+        width = max(plan.shape[1], self.plan.shape[1])  # 0 before the first plan is drawn
+        plan, plans = _widened(plan, width), _widened(self.plan, width)
+        conditions = replace(conditions, plan=with_rows(plans, worlds, plan))
+        bodies, scenes, limits = state["bodies"], state["scenes"], state["limits"]
+        if (
+            has_items(self.bodies, worlds, bodies)
+            and has_items(self.scenes, worlds, scenes)
+            and np.array_equal(self.team.limits[worlds], limits)
+        ):
+            return conditions
+        return conditions.with_worlds(worlds, bodies, scenes, limits, plan)
+
     def with_keys(self, worlds: IntArray, keys: npt.NDArray[np.uint64]) -> "Conditions":
         """A copy in which ``worlds`` have other keys."""
         return replace(self, key=with_rows(self.key, worlds, keys))
@@ -190,6 +216,13 @@ class Conditions:
             room=_merged_rows(self.room, worlds, room),
             plan=with_rows(self.plan, worlds, plan),
         )
+
+
+def _widened(plan: FloatArray, width: int) -> FloatArray:
+    """Plans with zeros after them, up to ``width`` numbers each."""
+    if plan.shape[1] == width:
+        return plan
+    return np.pad(plan, ((0, 0), (0, width - plan.shape[1])))
 
 
 def _rows(value: Any, worlds: IntArray) -> Any:

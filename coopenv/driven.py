@@ -10,7 +10,8 @@ from coopenv.compiled import compiled
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import action_of
-from coopenv.partner import Generators, Partner
+from coopenv.partner import Generators, Partner, StatefulPlayer
+from coopenv.snapshot import check_rows
 from coopenv.transition import Transition
 
 
@@ -54,6 +55,19 @@ class DrivenAgents:
         member of a population it is. Empty without a partner.
         """
         return {}
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What the partner remembers of ``worlds``, one row each.
+
+        Raises
+        ------
+        InvalidInput
+            If its player does not tell.
+        """
+        return {}
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
 
 
 class DrivenByPartner(DrivenAgents):
@@ -121,6 +135,25 @@ class DrivenByPartner(DrivenAgents):
             "disagreement": disagreement,
             "partner_kind": self.player.kind,
         }
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """See `DrivenAgents.get_state`."""
+        state = self._stateful().get_state(worlds)
+        check_rows(state, len(worlds), "state of the partner")
+        return state
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """See `DrivenAgents.set_state`."""
+        self._stateful().set_state(state, worlds)
+
+    def _stateful(self) -> StatefulPlayer:
+        if not isinstance(self.player, StatefulPlayer):
+            raise InvalidInput(
+                "the player of a partner must have get_state and set_state for the state of an "
+                f"environment to be kept, copied or pickled, got a {type(self.player).__name__}; "
+                "write them, as coopenv.partner.StatefulPlayer says"
+            )
+        return self.player
 
 
 def read_action(

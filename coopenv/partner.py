@@ -71,6 +71,27 @@ class Player(Protocol):
         ...
 
 
+@runtime_checkable
+class StatefulPlayer(Player, Protocol):
+    """A player whose memory can be kept and put back.
+
+    `coopenv.Transport.get_state`, copies and pickles of episodes under way need one, where there is
+    a partner.
+    """
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What it remembers of ``worlds``: arrays and lists with one entry each, by name.
+
+        Copies, which a later step does not change; empty if it remembers nothing. A dict may hold
+        dicts of the same kind.
+        """
+        ...
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """Go on in ``worlds`` from what `get_state` returned, perhaps of another player."""
+        ...
+
+
 Finder: TypeAlias = Callable[[Any], Partner]
 """The partner of a name, a policy's file or a policy; raises `UnknownName` where there is none."""
 

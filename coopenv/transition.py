@@ -102,11 +102,49 @@ class Transition:
         """``scale`` × one value a world ``(world,)``, for each agent: ``(world, agent)``."""
         return frames.repeated(value, self.team.num_agents, scale)
 
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What `restored` needs of ``worlds``, one row each; conditions are kept apart."""
+        return _rows(self, worlds)
+
+    @classmethod
+    def restored(
+        cls,
+        state: dict[str, Any],
+        conditions: Conditions,
+        *,
+        beside: "Transition | None",
+        worlds: IntArray,
+        dt: float,
+        horizon: int,
+    ) -> "Transition":
+        """The transition of which `get_state` returned ``state``, in ``worlds``, in order.
+
+        Other worlds have that of ``beside``; ``conditions`` are of all.
+        """
+        before, after = State(**state["state"]), State(**state["next_state"])
+        rows = {**state, "state": before, "next_state": after}
+        given = cls(**rows, conditions=conditions, dt=dt, horizon=horizon)
+        if beside is None or len(worlds) == len(conditions.bodies):
+            return given
+        return beside.with_worlds(worlds, given, conditions)
+
     def with_worlds(
         self, worlds: IntArray, other: "Transition", conditions: Conditions
     ) -> "Transition":
         """A copy with ``worlds`` replaced by those of ``other``, in order, under ``conditions``."""
         return replace(_merged(self, worlds, other), conditions=conditions)
+
+
+def _rows(value: Any, worlds: IntArray) -> dict[str, Any]:
+    """Copies of the rows ``worlds`` of a dataclass of per-world arrays, by their names."""
+    rows = {}
+    for entry in fields(value):
+        mine = getattr(value, entry.name)
+        if isinstance(mine, np.ndarray):
+            rows[entry.name] = mine[worlds]
+        elif isinstance(mine, State):
+            rows[entry.name] = _rows(mine, worlds)
+    return rows
 
 
 def _merged(value: Any, worlds: IntArray, other: Any) -> Any:

@@ -1,5 +1,6 @@
 """The core of every environment: many worlds reset and stepped together."""
 
+from collections.abc import Sequence
 from threading import RLock
 from typing import Any
 
@@ -27,6 +28,15 @@ from coopenv.resets import (
     given_pose,
     marked_worlds,
     seed_worlds,
+)
+from coopenv.snapshot import (
+    VERSION,
+    Snapshot,
+    chosen_worlds,
+    fitting,
+    generator_states,
+    put_generators,
+    take_rows,
 )
 from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
@@ -126,21 +136,15 @@ class Transport:
         self.turn = RLock()
 
     def __reduce__(self):
-        """Copies and pickles of a transport that was not reset yet are made from its configuration.
+        """Copies and pickles are another core of the configuration, in the state of this one.
 
-        Raises
-        ------
-        TypeError
-            If episodes are under way: pymunk does not tell what it remembers of contacts, and the
-            copy would go on differently.
+        One that was not reset yet, or broke off, is as good as new.
         """
-        if self.transition is not None:
-            raise TypeError(
-                "a Transport must not have been reset to be copied or pickled, got one with "
-                "episodes under way; copy it before its first reset, or make another from its "
-                "config"
-            )
-        return _made, (type(self), self.num_worlds, self.config)
+        made = _made, (type(self), self.num_worlds, self.config)
+        return made if self.transition is None else (*made, self.get_state())
+
+    def __setstate__(self, state: Snapshot) -> None:
+        self.set_state(state)
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -156,6 +160,109 @@ class Transport:
     def team(self) -> Team:
         """Who carries."""
         return self.conditions.team
+
+    @one_thread_at_a_time
+    def get_state(self, worlds: Sequence[int] | IntArray | None = None) -> Snapshot:
+        """All that decides how episodes go on; `set_state` puts it back, here or elsewhere.
+
+        Parameters
+        ----------
+        worlds
+            Numbers of the worlds whose state is wanted, in this order; ``None``: all.
+
+        Returns
+        -------
+        A copy, which no step changes.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such world, or the partner's player cannot tell what it remembers
+            (`coopenv.partner.StatefulPlayer`).
+        ResetNeeded
+            Before the first reset, or if the last step or reset broke off.
+        CoreInUse
+            If another thread steps or resets the core.
+        """
+        chosen = chosen_worlds(worlds, self.num_worlds)
+        if self.transition is None:
+            raise ResetNeeded(
+                "reset must be called before get_state and after a call that broke off, got no "
+                "episode under way; call reset()"
+            )
+        parts = {
+            "conditions": self.conditions.get_state(chosen),
+            "world": self.world.get_state(chosen),
+            "episodes": self._episodes.get_state(chosen),
+            "transition": self.transition.get_state(chosen),
+            "partner": self.driven.get_state(chosen),
+            "observation": self.observation.get_state(chosen),
+            "generators": generator_states(self.generators, chosen),
+            "obs": self._obs[chosen],
+            "info": take_rows(dict(self._info), chosen),
+        }
+        return Snapshot(config=self.config, version=VERSION, parts=parts)
+
+    @one_thread_at_a_time
+    def set_state(
+        self, state: Snapshot, worlds: Sequence[int] | IntArray | None = None
+    ) -> tuple[npt.NDArray[np.float32], Info]:
+        """Go on from a state that `get_state` returned, in all worlds or in some.
+
+        From there the same actions lead to the same bits, if the worlds are those that it was taken
+        from and nothing is touched; `docs/state.md` says what holds elsewhere. Episodes that begin
+        later are the same too, as the generators are put back with it.
+
+        Parameters
+        ----------
+        state
+            Of this core, or of another with an equal configuration and any number of worlds.
+        worlds
+            Numbers of the worlds that it is for, in its order; ``None``: all. A state of one world
+            is put into each of them.
+
+        Returns
+        -------
+        Observations and infos of all worlds, as `reset` and `step` return them.
+
+        Raises
+        ------
+        InvalidInput
+            If the state does not fit: it is of another configuration or version, of another number
+            of worlds, or of a room that differs from that of its new world; or if a world is left
+            that never started.
+        CoreInUse
+            If another thread steps or resets the core.
+        """
+        chosen = chosen_worlds(worlds, self.num_worlds, different=True)
+        if self.transition is None and len(chosen) < self.num_worlds:
+            raise InvalidInput(
+                f"worlds must be all {self.num_worlds} before the first reset, got {len(chosen)}; "
+                "call reset() or set_state of all once"
+            )
+        chosen, parts = fitting(state, self.config, chosen)
+        bodies, scenes = parts["conditions"]["bodies"], parts["conditions"]["scenes"]
+        self.world.check_rooms(chosen, scenes)
+        before, self.transition = self.transition, None  # until this is done, no step may follow
+        self.conditions = self.conditions.with_state(parts["conditions"], chosen)
+        self.world.set_state(parts["world"], chosen, bodies, scenes, anew=before is None)
+        self._episodes.set_state(parts["episodes"], chosen)
+        self.driven.set_state(parts["partner"], chosen)
+        self.observation.set_state(parts["observation"], chosen)
+        put_generators(self.generators, parts["generators"], chosen)
+        obs, info = parts["obs"], Info(parts["info"])
+        if before is not None and len(chosen) < self.num_worlds:
+            obs, info = with_rows(self._obs, chosen, obs), with_worlds(self._info, chosen, info)
+        self.transition = Transition.restored(
+            parts["transition"],
+            self.conditions,
+            beside=before,
+            worlds=chosen,
+            dt=self.dt,
+            horizon=self.horizon,
+        )
+        self._obs, self._info = obs, info
+        return obs.copy(), copied(info)
 
     @one_thread_at_a_time
     def reset(

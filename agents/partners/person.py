@@ -1,6 +1,7 @@
 """Scripted partners: what describes a kind of them, and the player that all kinds share."""
 
 from abc import ABC, abstractmethod
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from . import traits
 from .hands import Mind, act
 from .way import Way
 
+_HELD = ("_grips", "_allocation", "_reach")  # of the team and the object, one row a world
 _AWAY = slice(traits.AWAY_X, traits.AWAY_TURN + 1)
 
 
@@ -96,10 +98,7 @@ class Person:
         if moved:
             self._grips[worlds] = grips
             self._allocation[worlds] = _allocation(grips, self._width)
-        if self._way is None and (rows[..., traits.ROLE] == traits.WALKS).any():
-            self._way, moved = Way(self._config), True
-        if self._way is not None and moved:
-            self._parts_on_way = self._way.parts(self._grips, self._allocation)
+        self._find_way(rows, moved)
 
     def act(self, transition: Transition) -> FloatArray:
         """Wrenches for the next step; see `coopenv.partner.Player`."""
@@ -121,6 +120,27 @@ class Person:
             ),
             self._dt,
         )  # fmt: skip
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What it is like and remembers; see `coopenv.partner.StatefulPlayer`."""
+        mind = {name: value[worlds] for name, value in self._mind._asdict().items()}
+        return {"mind": mind, **{name: getattr(self, name)[worlds] for name in _HELD}}
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """See `coopenv.partner.StatefulPlayer`."""
+        for name, value in self._mind._asdict().items():
+            value[worlds] = state["mind"][name]
+        for name in _HELD:
+            getattr(self, name)[worlds] = state[name]
+        self._kind = self._mind.traits[:, 0, traits.KIND].astype(np.int64)
+        self._find_way(state["mind"]["traits"], True)
+
+    def _find_way(self, rows: FloatArray, moved: bool) -> None:
+        """Ready the way for those of ``rows`` who walk, whose grips may have ``moved``."""
+        if self._way is None and (rows[..., traits.ROLE] == traits.WALKS).any():
+            self._way, moved = Way(self._config), True
+        if self._way is not None and moved:
+            self._parts_on_way = self._way.parts(self._grips, self._allocation)
 
     def plan(self, transition: Transition) -> FloatArray:
         """Poses ``(world, 3)`` it wants the object to reach; NaN where it follows."""

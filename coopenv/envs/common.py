@@ -110,6 +110,9 @@ class Pictures:
             )
         return self._renderers[world].draw(transition)
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_renderers": {}}  # pictures are drawn anew, windows stay here
+
     def close(self) -> None:
         """Close every window."""
         for renderer in self._renderers.values():

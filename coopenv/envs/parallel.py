@@ -1,6 +1,7 @@
 """PettingZoo view: one world, every agent with its own action, observation and reward."""
 
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -23,11 +24,14 @@ from coopenv.envs.common import (
 )
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.pushes import check_numbers, push_numbers
+from coopenv.snapshot import Snapshot
 from coopenv.transport import Transport
 
 Observation: TypeAlias = npt.NDArray[np.float32]
 Action: TypeAlias = npt.NDArray[np.float32] | np.int64  # a push's number
 ByAgent = dict[str, Any]
+
+_TURNS = "turns"  # part of a snapshot
 
 
 class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
@@ -114,6 +118,24 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
             self.render()
         return seen, rewards, ends, stops, told
 
+    def get_state(self) -> Snapshot:
+        """All that decides how the episode goes on; see `coopenv.Transport.get_state`."""
+        return self.transport.get_state()
+
+    def set_state(self, state: Snapshot) -> tuple[dict[str, Observation], ByAgent]:
+        """Go on from a state of one world, of whichever view it is; returned as by `reset`.
+
+        Nobody is left in ``agents`` if its episode has ended.
+        """
+        obs, info = self.transport.set_state(state)
+        transition = self.transport.transition
+        assert transition is not None
+        ended = bool(transition.terminated[0] or transition.truncated[0])
+        self.agents = [] if ended else self.possible_agents[:]
+        if self.render_mode == "human":
+            self.render()
+        return self._split(obs), self._infos(info)
+
     def state(self) -> Observation:
         """What all agents see, one after the other, for central critics."""
         return self._obs.reshape(-1).copy()
@@ -192,9 +214,36 @@ class _Turns(wrappers.OrderEnforcingWrapper):
     def __init__(self, parallel: TransportParallelEnv):
         super().__init__(parallel_to_aec(parallel))
         self._parallel = parallel
+        self._made = frozenset(vars(self.env))  # what a reset adds is memory of the turns
 
     def step(self, action: Any) -> None:
         agent = self.agent_selection
         if not (self.terminations[agent] or self.truncations[agent]):
             finite_array(self._parallel.read(agent, action), f"actions[{agent!r}]")
         super().step(action)
+
+    def get_state(self) -> Snapshot:
+        """As the parallel view's, with whose turn it is and what was given in this round."""
+        state, memory = self._parallel.get_state(), vars(self.env)
+        turns = {name: memory[name] for name in memory.keys() - self._made}
+        return state.with_part(_TURNS, [deepcopy(turns)])
+
+    def set_state(self, state: Snapshot) -> None:
+        """Go on from a state that this view returned, here or in another environment.
+
+        Raises
+        ------
+        InvalidInput
+            If it is of another view, which does not know whose turn it is.
+        """
+        if _TURNS not in getattr(state, "parts", {_TURNS: None}):
+            raise InvalidInput(
+                "state must know whose turn it is, got one of another view; take it by get_state "
+                "of an AEC environment, or go on in the parallel one"
+            )
+        self._parallel.set_state(state)
+        memory = vars(self.env)
+        for name in memory.keys() - self._made:
+            del memory[name]
+        memory.update(deepcopy(state.parts[_TURNS][0]))
+        self._has_reset = self._has_updated = True

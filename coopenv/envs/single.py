@@ -20,6 +20,7 @@ from coopenv.envs.common import (
 )
 from coopenv.envs.spec import Specified, asked_horizon
 from coopenv.errors import InvalidInput
+from coopenv.snapshot import Snapshot
 from coopenv.transport import Transport
 
 
@@ -95,6 +96,20 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
             self.render()
         ends = bool(terminated[0]), bool(truncated[0])
         return obs.flatten(), _mean(reward[0]), *ends, _team_info(info)
+
+    def get_state(self) -> Snapshot:
+        """All that decides how the episode goes on; see `coopenv.Transport.get_state`."""
+        return self.transport.get_state()
+
+    def set_state(self, state: Snapshot) -> tuple[npt.NDArray[np.float32], dict[str, Any]]:
+        """Go on from a state of one world, of whichever view it is; returned as by `reset`."""
+        obs, info = self.transport.set_state(state)
+        generator = self.transport.generators[0]
+        assert generator is not None
+        self.np_random = generator
+        if self.render_mode == "human":
+            self.render()
+        return obs.reshape(-1), _team_info(info)
 
     def render(self) -> Any:
         """The picture ``(height, width, 3)`` uint8, or ``None`` with a window open."""

@@ -1,6 +1,6 @@
 """Gymnasium vector view: all worlds of a transport as one ``VectorEnv`` with autoreset."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -9,7 +9,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
-from coopenv.arrays import BoolArray
+from coopenv.arrays import BoolArray, IntArray
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
@@ -23,6 +23,7 @@ from coopenv.envs.common import (
 from coopenv.envs.spec import Specified
 from coopenv.errors import UnknownName
 from coopenv.info import Info, is_of_learners
+from coopenv.snapshot import Snapshot
 from coopenv.transport import Seed, Transport
 
 
@@ -112,6 +113,27 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
             info = self._vector_info(info)
         self._collect(range(self.num_envs), restart)
         return self._joint(obs), reward.mean(axis=1), terminated, truncated, info
+
+    def get_state(self, worlds: Sequence[int] | IntArray | None = None) -> Snapshot:
+        """All that decides how worlds go on; see `coopenv.Transport.get_state`."""
+        return self.transport.get_state(worlds)
+
+    def set_state(
+        self, state: Snapshot, worlds: Sequence[int] | IntArray | None = None
+    ) -> tuple[npt.NDArray[np.float32], Info]:
+        """Go on from a state, of whichever view it is; see `coopenv.Transport.set_state`.
+
+        Worlds whose episode has ended in it are reset next as if it had ended here. Observations
+        and infos of all worlds are returned as by `reset`. With ``"rgb_array_list"`` the lists of
+        pictures of ``worlds`` begin anew.
+        """
+        obs, info = self.transport.set_state(state, worlds)
+        transition = self.transport.transition
+        assert transition is not None
+        self._done = transition.terminated | transition.truncated
+        chosen = range(self.num_envs) if worlds is None else [int(k) for k in worlds]
+        self._collect(chosen, np.ones(self.num_envs, dtype=np.bool_))
+        return self._joint(obs), self._vector_info(info)
 
     def render(self) -> tuple[Any, ...] | None:
         """One picture a world, or a list of them, or ``None`` without a render mode.

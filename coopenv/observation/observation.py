@@ -121,6 +121,15 @@ class Observation:
             seen[..., where] = instruments(truth, transition, rows, keys)
         return seen
 
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What the sensors of ``worlds`` remember, one row each; by block."""
+        return {name: each.get_state(worlds) for name, each in self._instruments.items()}
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
+        for name, each in self._instruments.items():
+            each.set_state(state[name], worlds)
+
 
 def _copies(
     chosen: Sequence[Block], blocks: Mapping[str, slice], view: Mapping[str, slice]

@@ -114,6 +114,15 @@ class Instruments:
         self._offset = np.zeros((num_worlds, num_agents, width))
         self._kept = _room((sensor.delay + 1, num_worlds, num_agents, width))
 
+    def get_state(self, worlds: IntArray) -> dict[str, npt.NDArray[Any]]:
+        """Biases and readings under way of ``worlds``, one row each."""
+        return {"offset": self._offset[worlds], "kept": self._kept[:, worlds].swapaxes(0, 1)}
+
+    def set_state(self, state: dict[str, npt.NDArray[Any]], worlds: IntArray) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
+        self._offset[worlds] = state["offset"]
+        self._kept[:, worlds] = state["kept"].swapaxes(0, 1)
+
     def __call__(
         self,
         seen: npt.NDArray[np.float32],

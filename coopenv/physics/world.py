@@ -10,8 +10,8 @@ import numpy as np
 import pymunk
 import pymunk.batch as batch
 
-from coopenv.arrays import FloatArray, IntArray, with_items
-from coopenv.errors import BodyLost
+from coopenv.arrays import FloatArray, IntArray, has_items, with_items
+from coopenv.errors import BodyLost, InvalidInput
 from coopenv.physics import motion
 from coopenv.physics.body import Body
 from coopenv.physics.scene import WALL_THICKNESS, Scene
@@ -25,6 +25,7 @@ COLLISION_SLOP = 1e-3  # [m] overlap left alone; pymunk's default of 0.1 is mean
 # under the default of 3 a body that touched a wall again was pulled or pushed by an old impact.
 COLLISION_PERSISTENCE = 1
 
+_STATE = ("pose", "twist", "contact_impulse", "contact_shift")
 _REPORT = (
     batch.BodyFields.POSITION
     | batch.BodyFields.ANGLE
@@ -126,6 +127,55 @@ class World:
             if inside.any():
                 shard.place(worlds[inside] - number * SHARD_SIZE, pose[inside])
 
+    def get_state(self, worlds: IntArray) -> dict[str, FloatArray]:
+        """Where the bodies of ``worlds`` are and how they move, one row each."""
+        return {name: getattr(self, name)[worlds] for name in _STATE}
+
+    def check_rooms(self, worlds: IntArray, scenes: Sequence[Scene]) -> None:
+        """Raise `InvalidInput` where a world's walls are not those of the scene it is given."""
+        for k, scene in zip(worlds.tolist(), scenes, strict=True):
+            if scene is self.scenes[k]:
+                continue
+            mine, given = _walls(self.scenes[k]), _walls(scene)
+            if mine != given:
+                raise InvalidInput(
+                    f"state must be of a room with the walls of its new world, {mine} (size [m], "
+                    f"friction) in world {k}, got {given}; put it into a world with such walls"
+                )
+
+    def set_state(
+        self,
+        state: dict[str, FloatArray],
+        worlds: IntArray,
+        bodies: Sequence[Body],
+        scenes: Sequence[Scene],
+        *,
+        anew: bool,
+    ) -> None:
+        """Go on in ``worlds`` from what `get_state` returned, with bodies and scenes of then.
+
+        What pymunk remembers of contacts is not in it, so that nothing has been touched. Positions
+        are exact in the worlds they were read from: there, pymunk's own differ from them by the
+        world's origin without rounding.
+
+        Only bodies that touched something in the last step, in which pymunk would remember that,
+        or that are others now, are made ``anew``; or all, if that step broke off.
+        """
+        if not (has_items(self.bodies, worlds, bodies) and has_items(self.scenes, worlds, scenes)):
+            self.furnish(worlds, bodies, scenes)
+            anew = True
+        touched = (self.contact_impulse[worlds] != 0) | (self.contact_shift[worlds] != 0) | anew
+        self.place(worlds[touched], state["pose"][touched])
+        self._move(worlds[~touched], state["pose"][~touched])
+        for name in _STATE:
+            getattr(self, name)[worlds] = state[name]
+
+    def _move(self, worlds: IntArray, pose: FloatArray) -> None:
+        """Put bodies that remember no contact elsewhere, which is quicker than to make others."""
+        for number, shard in enumerate(self._shards):
+            inside = worlds // SHARD_SIZE == number
+            shard.move(worlds[inside] - number * SHARD_SIZE, pose[inside])
+
     def step(self, wrench: FloatArray) -> None:
         """Advance one control step under ``wrench`` ``(world, 3)`` [N, N·m], held in object frame.
 
@@ -211,6 +261,13 @@ class _Shard:
         self.space.step(0.0)
         self._rows = self._find_rows()
 
+    def move(self, worlds: IntArray, pose: FloatArray) -> None:
+        position = (pose[:, :2] + self._origin[worlds]).tolist()
+        for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
+            body = self._shapes[k].body
+            assert body is not None
+            body.position, body.angle = (x, y), angle
+
     def step(
         self,
         before: tuple[FloatArray, ...],
@@ -275,6 +332,10 @@ class _Shard:
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
         return order[np.searchsorted(listed, self._ids, sorter=order)]
+
+
+def _walls(scene: Scene) -> tuple[tuple[float, float], float]:
+    return scene.size, scene.friction
 
 
 def _table(bodies: Sequence[Body], substep: float) -> FloatArray:

@@ -1,8 +1,10 @@
 """Episodes under way in every world: their clocks, their success and their time limit."""
 
+from typing import Any
+
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.compiled import compiled
 from coopenv.conditions import Conditions
 from coopenv.errors import ResetNeeded
@@ -36,6 +38,21 @@ class Episodes:
     def begin(self, worlds: IntArray) -> None:
         """Start an episode in ``worlds``."""
         self._steps[worlds], self._distances[worlds], self._ended[worlds] = 0, 0.0, False
+        self._any_ended = bool(self._ended.any())
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """How far the episodes of ``worlds`` are, one row each."""
+        return {
+            "steps": self._steps[worlds],
+            "distances": self._distances[worlds],
+            "ended": self._ended[worlds],
+        }
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
+        self._steps = with_rows(self._steps, worlds, state["steps"])
+        self._distances = with_rows(self._distances, worlds, state["distances"])
+        self._ended = with_rows(self._ended, worlds, state["ended"])
         self._any_ended = bool(self._ended.any())
 
     def check_running(self, restart: BoolArray | None) -> None:
