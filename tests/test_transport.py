@@ -1,16 +1,12 @@
 """The core: episodes, ends, determinism, what is internal, what pays, and what it refuses."""
 
-import copy
 import pickle
 import subprocess
 import sys
-from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 
-import coopenv
 from coopenv import BLOCKS, Body, Scene, Transport, TransportTask
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.observation.view import agent_view
@@ -579,25 +575,3 @@ def test_worlds_may_differ_in_body_and_scene_in_one_batch():
         for (result, pose, _), mine in zip(many, ride(alone, plan[:, k : k + 1]), strict=True):
             np.testing.assert_allclose(mine[1][0], pose[k], rtol=0, atol=1e-9)
             np.testing.assert_allclose(mine[0][1][0], result[1][k], rtol=0, atol=1e-6)
-
-
-@pytest.mark.parametrize("again", [copy.deepcopy, lambda core: pickle.loads(pickle.dumps(core))])
-def test_a_transport_can_be_copied_until_it_is_reset(again):
-    core = Transport(num_worlds=3, body=Body.beam(length=1.5), reward="balanced", horizon=9)
-    twin = again(core)
-    assert (twin.config, twin.num_worlds) == (core.config, 3)
-    np.testing.assert_array_equal(twin.reset(seed=1)[0], core.reset(seed=1)[0])
-    with pytest.raises(TypeError, match="must not have been reset to be copied"):
-        again(core)
-
-
-def test_views_can_be_copied_until_they_are_reset():
-    for make in (
-        lambda: gymnasium.make("coopenv/BeamTransport-v0"),
-        lambda: gymnasium.make_vec("coopenv/BeamTransport-v0", num_envs=2),
-        coopenv.beam_transport_v0.parallel_env,
-    ):
-        env: Any = make()
-        twin: Any = copy.deepcopy(env)
-        assert twin.unwrapped.transport is not env.unwrapped.transport
-        np.testing.assert_equal(twin.reset(seed=1)[0], env.reset(seed=1)[0])
