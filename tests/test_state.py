@@ -385,7 +385,7 @@ def test_a_partner_that_cannot_tell_what_it_remembers_says_so():
             keep(core)
 
 
-def test_a_partner_of_ones_own_remembers_by_two_methods():
+def test_a_partner_of_ones_own_remembers_by_two_methods(monkeypatch):
     class Counting:
         def player(self, config, num_worlds, agents):
             return Counter(num_worlds)
@@ -398,7 +398,7 @@ def test_a_partner_of_ones_own_remembers_by_two_methods():
     first = ride(core, plan)
     core.set_state(state)
     assert_same(ride(core, plan), first)
-    Counter.get_state = lambda self, worlds: {"count": 3.0}
+    monkeypatch.setattr(Counter, "get_state", lambda self, worlds: {"count": 3.0})
     with pytest.raises(InvalidInput, match=r"state of the partner\['count'\] must be an array"):
         core.get_state()
 

@@ -1,6 +1,6 @@
 """PettingZoo view: one world, every agent with its own action, observation and reward."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from typing import Any, TypeAlias
 
@@ -32,6 +32,8 @@ Action: TypeAlias = npt.NDArray[np.float32] | np.int64  # a push's number
 ByAgent = dict[str, Any]
 
 _TURNS = "turns"  # part of a snapshot
+# What a wrapper has from the beginning; the rest is its memory
+_FIXED = {"env", "_parallel", "metadata", "render_mode", "possible_agents", "state_space"}
 
 
 class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
@@ -214,7 +216,6 @@ class _Turns(wrappers.OrderEnforcingWrapper):
     def __init__(self, parallel: TransportParallelEnv):
         super().__init__(parallel_to_aec(parallel))
         self._parallel = parallel
-        self._made = frozenset(vars(self.env))  # what a reset adds is memory of the turns
 
     def step(self, action: Any) -> None:
         agent = self.agent_selection
@@ -224,8 +225,11 @@ class _Turns(wrappers.OrderEnforcingWrapper):
 
     def get_state(self) -> Snapshot:
         """As the parallel view's, with whose turn it is and what was given in this round."""
-        state, memory = self._parallel.get_state(), vars(self.env)
-        turns = {name: memory[name] for name in memory.keys() - self._made}
+        state = self._parallel.get_state()
+        turns = [
+            {name: value for name, value in memory.items() if name not in _FIXED}
+            for memory in self._memories()
+        ]
         return state.with_part(_TURNS, [deepcopy(turns)])
 
     def set_state(self, state: Snapshot) -> None:
@@ -242,8 +246,14 @@ class _Turns(wrappers.OrderEnforcingWrapper):
                 "of an AEC environment, or go on in the parallel one"
             )
         self._parallel.set_state(state)
-        memory = vars(self.env)
-        for name in memory.keys() - self._made:
-            del memory[name]
-        memory.update(deepcopy(state.parts[_TURNS][0]))
-        self._has_reset = self._has_updated = True
+        for memory, turns in zip(self._memories(), deepcopy(state.parts[_TURNS][0]), strict=True):
+            for name in memory.keys() - _FIXED:
+                del memory[name]
+            memory.update(turns)
+
+    def _memories(self) -> Iterator[dict[str, Any]]:
+        """Attributes of this wrapper and of PettingZoo's own inside it."""
+        layer: Any = self
+        while layer is not self._parallel:
+            yield vars(layer)
+            layer = layer.env
