@@ -125,14 +125,16 @@ class EpisodeSums:
             "success": self._success[worlds],
             "sums": {name: total[worlds] for name, total in self._sums.items()},
             "terms": {name: total[worlds] for name, total in self._terms.items()},
+            "costs": {name: total[worlds] for name, total in self._costs.items()},
         }
 
     def set_state(self, state: dict[str, Any] | None, worlds: IntArray) -> None:
         """Go on in ``worlds`` from what `get_state` returned; from zero for ``None``."""
-        state = state or {"length": 0, "success": False, "sums": {}, "terms": {}}
+        state = state or {"length": 0, "success": False, "sums": {}, "terms": {}, "costs": {}}
         self._length[worlds] = state["length"]
         self._success = with_rows(self._success, worlds, state["success"])
-        for mine, given in ((self._sums, state["sums"]), (self._terms, state["terms"])):
+        for mine, group in ((self._sums, "sums"), (self._terms, "terms"), (self._costs, "costs")):
+            given = state[group]
             for name, rows in given.items():
                 mine.setdefault(name, np.zeros((self._num_worlds, *rows.shape[1:])))
             for name, total in mine.items():

@@ -49,12 +49,24 @@ class EpisodeKeys:
         Worlds that `seed` did not tell of are told apart by their numbers.
         """
         time = transition.next_state.time
-        if len(self._episodes) != len(time):
-            numbers = np.arange(len(time), dtype=np.uint64)
-            self._episodes = _branches(self._seed, _UNSEEDED, numbers)
+        keys = self._of_all(len(time))
         began = np.flatnonzero(time == 0)
-        self._episodes[began] = branches(self._episodes[began], _NEXT)
+        keys[began] = branches(keys[began], _NEXT)
         return began
+
+    def _of_all(self, num_worlds: int) -> Keys:
+        if len(self._episodes) != num_worlds:
+            numbers = np.arange(num_worlds, dtype=np.uint64)
+            self._episodes = _branches(self._seed, _UNSEEDED, numbers)
+        return self._episodes
+
+    def get_state(self, worlds: IntArray, num_worlds: int) -> Keys:
+        """Keys of ``worlds`` out of so many, a copy."""
+        return self._of_all(num_worlds)[worlds]
+
+    def set_state(self, keys: Keys, worlds: IntArray, num_worlds: int) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
+        self._of_all(num_worlds)[worlds] = keys
 
     def of_episode(self) -> Keys:
         """``(world,)``, the same in every step."""

@@ -1,7 +1,7 @@
 """Policies: observations and the last transition in, actions of many worlds out; a random one."""
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -55,6 +55,23 @@ class Seedable(Protocol):
 
         Evaluations give no ``worlds``; a policy that acts as a partner is always given them.
         """
+        ...
+
+
+@runtime_checkable
+class Stateful(Protocol):
+    """A policy whose memory of episodes can be kept and put back has this.
+
+    As a partner, one that is `Resettable` or `Seedable` needs it where the state of an environment
+    is kept, copied or pickled.
+    """
+
+    def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
+        """What it remembers of ``worlds`` out of ``num_worlds``, one row each; copies, by name."""
+        ...
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
+        """Go on in ``worlds`` from what `get_state` returned, perhaps of another such policy."""
         ...
 
 
@@ -149,6 +166,14 @@ class RandomPolicy:
     def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
         """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
         self._keys.seed(seeds, worlds)
+
+    def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
+        """See `Stateful`."""
+        return {"keys": self._keys.get_state(worlds, num_worlds)}
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
+        """See `Stateful`."""
+        self._keys.set_state(state["keys"], worlds, num_worlds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, agent, action_size)``, or numbers of pushes ``(world, agent)``."""

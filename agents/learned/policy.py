@@ -11,7 +11,7 @@ import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
-from coopenv.arrays import BoolArray, IntArray
+from coopenv.arrays import BoolArray, IntArray, with_rows
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.observation import Observation
@@ -268,6 +268,32 @@ class SB3Policy:
         """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
         self._keys.seed(seeds, worlds)
 
+    def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
+        """Memory and random numbers of ``worlds``; see `coopenv.agents.policy.Stateful`."""
+        fresh = self._fresh if len(self._fresh) == num_worlds else np.ones(num_worlds, np.bool_)
+        memory = () if self._memory is None else self._memory
+        return {
+            "keys": self._keys.get_state(worlds, num_worlds),
+            "fresh": fresh[worlds],
+            "memory": {
+                str(i): _by_world(each, num_worlds)[worlds] for i, each in enumerate(memory)
+            },
+        }
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
+        self._keys.set_state(state["keys"], worlds, num_worlds)
+        if len(self._fresh) != num_worlds:
+            self._fresh, self._memory = np.ones(num_worlds, dtype=np.bool_), None
+        self._fresh[worlds] = state["fresh"]
+        kept = [*state["memory"].values()]
+        if not kept:  # taken before the first step, where all is fresh
+            return
+        mine = self._memory and [_by_world(each, num_worlds) for each in self._memory]
+        before = mine or [np.zeros((num_worlds, *each.shape[1:]), each.dtype) for each in kept]
+        changed = map(with_rows, before, [worlds] * len(kept), kept)
+        self._memory = tuple(_by_row(each) for each in changed)
+
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, learner, action_size)``, or numbers of pushes ``(world, learner)``.
 
@@ -309,6 +335,19 @@ class SB3Policy:
         if self._spaces.pushes is not None:
             return action.reshape(num_worlds, num_agents).astype(np.int64)
         return action.reshape(num_worlds, num_agents, width).astype(np.float64)
+
+
+def _by_world(memory: npt.NDArray, num_worlds: int) -> npt.NDArray:
+    """As ``(world, row, layer, unit)`` a recurrent memory ``(layer, row, unit)``."""
+    layers, _, units = memory.shape
+    return memory.reshape(layers, num_worlds, -1, units).transpose(1, 2, 0, 3)
+
+
+def _by_row(memory: npt.NDArray) -> npt.NDArray:
+    """A recurrent memory ``(layer, row, unit)`` of what `_by_world` makes of it."""
+    num_worlds, rows, layers, units = memory.shape
+    turned = np.ascontiguousarray(memory.transpose(2, 0, 1, 3))
+    return turned.reshape(layers, num_worlds * rows, units)
 
 
 def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | bool:

@@ -22,7 +22,7 @@ from coopenv.partner import Generators
 from coopenv.pushes import check_numbers, push_numbers
 from coopenv.transition import Transition
 
-from ..policy import Freezable, Seat, Seatable, Seedable, forget
+from ..policy import Freezable, Resettable, Seat, Seatable, Seedable, Stateful, forget
 
 _ACTIONS = "actions of the partner's policy"
 
@@ -200,6 +200,33 @@ class PolicyPlayer:
         team = transition.team
         frame, limits = team.frame[:, self._driven], team.limits[:, self._driven]
         return frames.wrenches_from_actions(action, frame, limits)[1]
+
+    def get_state(self, worlds: IntArray) -> dict[str, Any]:
+        """What it and its policy remember; see `coopenv.partner.StatefulPlayer`.
+
+        Raises
+        ------
+        InvalidInput
+            If the policy remembers something and does not tell what.
+        """
+        policy: dict[str, Any] = {}
+        if isinstance(self._policy, Stateful):
+            policy = self._policy.get_state(worlds, len(self._keys))
+        elif isinstance(self._policy, Resettable | Seedable):
+            raise InvalidInput(
+                "the policy of a partner must have get_state and set_state for the state of an "
+                f"environment to be kept, copied or pickled, got a {type(self._policy).__name__}, "
+                "which remembers episodes; write them, as coopenv.agents.policy.Stateful says"
+            )
+        seen = self._observation.get_state(worlds)
+        return {"keys": self._keys[worlds], "seen": seen, "policy": policy}
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
+        """See `coopenv.partner.StatefulPlayer`."""
+        self._keys[worlds] = state["keys"]
+        self._observation.set_state(state["seen"], worlds)
+        if isinstance(self._policy, Stateful):
+            self._policy.set_state(state["policy"], worlds, len(self._keys))
 
     def plan(self, transition: Transition) -> FloatArray:
         """No pose: NaN ``(world, 3)``."""
