@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
+from typing_extensions import Self
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.info import COST, Info

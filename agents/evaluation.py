@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import isnan, nan, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
+from typing_extensions import Self
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra

@@ -1,13 +1,13 @@
 """Numbers of body, scene, task, ranges and reward weights in place of a configuration's own."""
 
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.files import toml
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Box
 from coopenv.randomisation import Ranges
@@ -73,8 +73,8 @@ def _value(text: str) -> Any:
     if text.lower() in ("none", "null"):
         return None
     try:
-        return _frozen(tomllib.loads(f"value = {text}")["value"])
-    except tomllib.TOMLDecodeError:
+        return _frozen(toml.loads(f"value = {text}")["value"])
+    except toml.TOMLDecodeError:
         pass
     try:
         return _frozen(json.loads(text))

@@ -12,9 +12,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
+from typing_extensions import Self
 
 from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust

@@ -1,6 +1,7 @@
 """Reinforcement learning environments for cooperative object transport, with wrench decomposition.
 
-Importing this package registers its environments with Gymnasium.
+Importing this package registers its environments with Gymnasium. Where Gymnasium, PettingZoo or
+pymunk is missing, all that needs none of them works, and the rest says what to install.
 """
 
 from importlib.metadata import version
@@ -9,7 +10,7 @@ from typing import Any
 from coopenv import rewards, wrench
 from coopenv.config import TransportConfig
 from coopenv.config.kinds import Maker, add_kinds, dataclasses_of
-from coopenv.envs.registry import register
+from coopenv.missing import refusal
 from coopenv.observation import BLOCKS, Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, Player, name_partners
@@ -29,7 +30,6 @@ from coopenv.tasks import (
     WalkerTurnTask,
 )
 from coopenv.transition import State, Transition
-from coopenv.transport import Transport
 
 __version__ = version("coopenv")
 
@@ -68,15 +68,21 @@ __all__ = [
     "wrench",
 ]
 
-# In the order in which their ids are to be listed.
-# isort: off
-from coopenv import (
-    beam_transport_v0,
-    beam_doorway_v0,
-    beam_tracking_v0,
-    walker_avoid_v0,
-    walker_turn_v0,
-)
+try:
+    from coopenv.envs.registry import register
+    from coopenv.transport import Transport
+
+    # In the order in which their ids are to be listed.
+    # isort: off
+    from coopenv import (
+        beam_transport_v0,
+        beam_doorway_v0,
+        beam_tracking_v0,
+        walker_avoid_v0,
+        walker_turn_v0,
+    )
+except ModuleNotFoundError as error:
+    globals()["__getattr__"] = refusal(error, __name__, set(__all__) - set(globals()))
 
 
 def _find_partner(value: Any) -> Partner:

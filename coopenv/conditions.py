@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,7 @@ class Team:
     _decomposers: dict[Settings, Decomposer] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def build(cls, grips: FloatArray, limits: FloatArray, settings: Settings) -> Self:
+    def build(cls, grips: FloatArray, limits: FloatArray, settings: Settings) -> "Team":
         """A team from its grips and limits, ``(world, agent, 2)`` each."""
         return cls(
             grips=grips,
@@ -82,7 +82,7 @@ class Load:
     outline: FloatArray  # (world, vertex, 2), object frame [m]; short ones repeat their last vertex
 
     @classmethod
-    def of(cls, bodies: Sequence[Body], vertices: int) -> Self:
+    def of(cls, bodies: Sequence[Body], vertices: int) -> "Load":
         """One row a body, with space for ``vertices`` in each outline."""
         numbers = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
         return cls(
@@ -103,7 +103,7 @@ class Room:
     count: IntArray  # (world,): boxes there are; the rows after them are zero
 
     @classmethod
-    def of(cls, scenes: Sequence[Scene], capacity: int) -> Self:
+    def of(cls, scenes: Sequence[Scene], capacity: int) -> "Room":
         """One row a scene, with space for ``capacity`` boxes in each."""
         boxes = np.zeros((len(scenes), capacity, 5))
         for k, scene in enumerate(scenes):

@@ -146,6 +146,14 @@ class BodyLost(CoopenvError, RuntimeError):
     """A body went through a wall: it moves too far in a substep."""
 
 
+class MissingPackage(CoopenvError, ImportError):
+    """A package is needed that coopenv was installed without; the message says what to install."""
+
+    def __init__(self, feature: str, package: str, requirements: Iterable[str]):
+        wanted = " ".join(f"'{one}'" for one in requirements)
+        super().__init__(f"{feature} needs {package}, which is not installed; pip install {wanted}")
+
+
 class MissingExtra(CoopenvError, ImportError):
     """An optional dependency is needed; the message says what to install."""
 

@@ -5,7 +5,7 @@ array of numbers, so that any library can stack them. Nothing in them is NaN.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +49,7 @@ class Info(dict[str, Any]):
     def _group(self, start: str) -> dict[str, Any]:
         return {name[len(start) :]: self[name] for name in self if name.startswith(start)}
 
-    def copy(self) -> Self:
+    def copy(self) -> "Info":
         """A copy that knows its groups too."""
         return type(self)(self)
 

@@ -6,11 +6,12 @@ import shutil
 import subprocess
 import sys
 import tarfile
-import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+
+from coopenv.files import toml
 
 ROOT = Path(__file__).parent.parent
 LINKED = ("rewards", "agents")  # coopenv/<name> is a link to the folder beside coopenv
@@ -66,7 +67,7 @@ def modules() -> set[str]:
 
 
 def test_every_folder_of_the_package_is_listed():
-    setuptools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    setuptools = toml.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     folders = {Path(path).parent for path in modules()}
     assert set(setuptools["packages"]) == {".".join(folder.parts) for folder in folders}
     linked = {folder for folder in folders if len(folder.parts) > 1 and folder.parts[1] in LINKED}

@@ -38,8 +38,8 @@ NAMES: dict[str, tuple[str, ...]] = {
     "coopenv.beam_transport_v0": VIEWS,
     "coopenv.envs": ("TransportEnv", "TransportParallelEnv", "TransportVectorEnv"),
     "coopenv.errors": (
-        "BodyLost", "CoopenvError", "CoreInUse", "InvalidInput", "MissingExtra", "ResetNeeded",
-        "SolverError", "UnknownName",
+        "BodyLost", "CoopenvError", "CoreInUse", "InvalidInput", "MissingExtra", "MissingPackage",
+        "ResetNeeded", "SolverError", "UnknownName",
     ),
     "coopenv.logs": (
         "Analysis", "Layout", "Recording", "Summary", "analyse", "decompose_file", "read",

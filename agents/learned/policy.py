@@ -4,12 +4,13 @@ import os
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
+from typing_extensions import Self
 
 from coopenv.arrays import BoolArray, IntArray, with_rows
 from coopenv.config import TransportConfig

@@ -6,7 +6,9 @@ from collections import deque
 from copy import deepcopy
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
+
+from typing_extensions import Self
 
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
 

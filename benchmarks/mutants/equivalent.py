@@ -3,11 +3,11 @@
 One is known by its file and its lines before and after, so that it may move in the file.
 """
 
-import tomllib
 from functools import cache
 from pathlib import Path
 
 from benchmarks.mutants.source import Change, Source
+from coopenv.files import toml
 
 LIST = Path(__file__).with_name("equivalent.toml")
 
@@ -15,7 +15,7 @@ LIST = Path(__file__).with_name("equivalent.toml")
 @cache
 def known(path: Path = LIST) -> dict[tuple[str, str, str], str]:
     """Reasons by file, line before and line after."""
-    entries = tomllib.loads(path.read_text(encoding="utf-8")).get("equivalent", [])
+    entries = toml.loads(path.read_text(encoding="utf-8")).get("equivalent", [])
     return {(one["file"], one["line"], one["changed"]): one["reason"] for one in entries}
 
 

@@ -6,7 +6,6 @@ what is given on the command line wins.
 """
 
 import json
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConf
 from coopenv.config.own_code import Trust
 from coopenv.envs.registry import require_trusted
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
-from coopenv.files import reading
+from coopenv.files import reading, toml
 
 ENVIRONMENT = tuple(entry.name for entry in fields(EnvironmentChoice))
 TRAINING = tuple(entry.name for entry in fields(TrainConfig))
@@ -55,7 +54,7 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
         raise InvalidInput(f"config must be a .toml or .json file, got {str(path)!r}; rename it")
     with reading(path):
         text = path.read_text(encoding="utf-8-sig")  # editors of some systems begin with a mark
-        content = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+        content = toml.loads(text) if path.suffix == ".toml" else json.loads(text)
     top = (*TRAINING, *COMPARISON, "evaluation")
     noted, content = _parted(content)
     content = _without_fresh(_checked(content, f"option in {path}", top), path)

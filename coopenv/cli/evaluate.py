@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typing_extensions import Self
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice

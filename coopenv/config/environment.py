@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from itertools import product
-from typing import Any, Self, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -150,7 +150,9 @@ class TransportConfig:
         self._check_agreement()
 
     @classmethod
-    def parse(cls, keywords: Mapping[str, Any], defaults: Mapping[str, Any] | None = None) -> Self:
+    def parse(
+        cls, keywords: Mapping[str, Any], defaults: Mapping[str, Any] | None = None
+    ) -> "TransportConfig":
         """The configuration that ``keywords`` describe; an unknown name raises `UnknownName`.
 
         ``defaults`` stand for what the keywords leave out, unless these bring a task of another
@@ -178,7 +180,7 @@ class TransportConfig:
         return document_of({entry.name: getattr(self, entry.name) for entry in fields(self)})
 
     @classmethod
-    def from_json(cls, text: str, *, trust: Trust = False) -> Self:
+    def from_json(cls, text: str, *, trust: Trust = False) -> "TransportConfig":
         """The configuration that `to_json` wrote.
 
         A field that is not there has its default.

@@ -15,7 +15,6 @@ from contextvars import ContextVar
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Self
 
 from coopenv.errors import InvalidInput
 from coopenv.files.process import Process, kernel
@@ -45,7 +44,7 @@ class Holder:
     since: str  # local time of that machine
 
     @classmethod
-    def current(cls) -> Self:
+    def current(cls) -> "Holder":
         """The process that asks, from now on."""
         return cls(
             process=Process.current(),
@@ -55,7 +54,7 @@ class Holder:
         )
 
     @classmethod
-    def parse(cls, text: str) -> Self | None:
+    def parse(cls, text: str) -> "Holder | None":
         """What `encode` made; None if it is none or not all of one."""
         try:
             given = json.loads(text)

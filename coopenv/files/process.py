@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Self
 
 PROC = Path("/proc")
 NAME, START = 2, 22  # fields of /proc/PID/stat; START: ticks from the machine's start on, proc(5)
@@ -26,7 +25,7 @@ class Process:
     host: str  # mark of the machine, and of how it numbers: containers do so by themselves
 
     @classmethod
-    def current(cls) -> Self:
+    def current(cls) -> "Process":
         """The one that asks."""
         pid = os.getpid()
         return cls(pid=pid, started=_started(pid), host=_host())

@@ -11,9 +11,9 @@ from coopenv.errors import MissingExtra
 try:
     import tyro
 
-    ALONE = (tyro.conf.FlagCreatePairsOff,)  # a flag that a layout may also hold: none undoes it
+    ALONE = tyro.conf.FlagCreatePairsOff  # a flag that a layout may also hold: none undoes it
 except ImportError:  # asked for where the command line is read
-    ALONE = ("a flag",)
+    ALONE = "a flag"
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -64,7 +64,7 @@ class Decompose:
     """Up (default) or down: then y, planar torques and angles change sign."""
     space: str | None = None
     """Plane leaves out what points out of it; auto (default) goes by the columns."""
-    forces_only: Annotated[bool, *ALONE] = False
+    forces_only: Annotated[bool, ALONE] = False
     """The effectors apply no torque, and the file has no such columns."""
     decimal: str | None = None
     """What separates decimals in a CSV file: . (default) or a comma."""

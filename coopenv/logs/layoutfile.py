@@ -2,12 +2,11 @@
 
 import json
 import os
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from coopenv.errors import InvalidInput
-from coopenv.files import reading
+from coopenv.files import reading, toml
 from coopenv.logs.limits import shown
 
 LARGEST = 1 << 20  # [bytes]
@@ -24,7 +23,7 @@ def load_fields(path: str | os.PathLike) -> dict[str, Any]:
         If it cannot be read, is no table of fields, or larger or more deeply nested than any needs.
     """
     path = Path(path)
-    parse = {".json": json.loads, ".toml": tomllib.loads}.get(path.suffix.lower())
+    parse = {".json": json.loads, ".toml": toml.loads}.get(path.suffix.lower())
     if parse is None:
         raise InvalidInput(f"layout must be a .toml or .json file, got {str(path)!r}; rename it")
     with reading(path):

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import cos, pi, sin
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -77,7 +77,7 @@ class Body:
         _set(self, "nonholonomic", bool(self.nonholonomic))
 
     @classmethod
-    def beam(cls, *, length: float = 2.0, width: float = 0.1, **values) -> Self:
+    def beam(cls, *, length: float = 2.0, width: float = 0.1, **values) -> "Body":
         """A rectangular beam of the given size [m], held 5 % of its length inside its ends.
 
         ``values`` are the other fields of `Body`; ``grips`` among them overrides the ends.
@@ -89,7 +89,7 @@ class Body:
         return cls(outline=outline, grips=grips, **values)
 
     @classmethod
-    def walker(cls, **values) -> Self:
+    def walker(cls, **values) -> "Body":
         """The paper's mobility-assistance walker: a square metre on wheels.
 
         25 kg, 4.17 kg·m², drag 1 N·s/m and 100 N·m·s; agent 0, the human, holds it at its rear,
@@ -119,7 +119,7 @@ class Body:
         sides: int = 16,
         size: tuple[float, float] | None = None,
         **values,
-    ) -> Self:
+    ) -> "Body":
         """A plate that ``num_agents`` hold evenly round its rim, 10 % nearer to the centre than it.
 
         Parameters

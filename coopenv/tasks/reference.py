@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 
@@ -61,7 +60,7 @@ class Reference:
         object.__setattr__(self, "poses", tuple(tuple(row) for row in poses.tolist()))
 
     @classmethod
-    def load(cls, path: str | os.PathLike) -> Self:
+    def load(cls, path: str | os.PathLike) -> "Reference":
         """Read a ``.csv`` file with a header, or an ``.npz`` file, of `COLUMNS`.
 
         Raises

@@ -5,10 +5,11 @@ Code runs in names of its own and in an empty folder. A Python block whose first
 ``<!-- continues -->`` goes on from the one before it; no other block knows what came before.
 """
 
+import os
 import re
 import sys
 from collections.abc import Iterator
-from contextlib import chdir, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,13 +90,15 @@ def running(chain: list[Snippet], folder: Path) -> Iterator[dict[str, Any]]:
     lay_out(page, folder)
     path, modules, ids = list(sys.path), set(sys.modules), set(gymnasium.registry)
     sys.path.insert(0, str(folder))
+    before = Path.cwd()
+    os.chdir(folder)
     try:
-        with chdir(folder):
-            for snippet in chain:
-                code = "\n" * (snippet.line - 1) + snippet.code  # tracebacks name the page's line
-                exec(compile(code, str(page), "exec"), names)
-            yield names
+        for snippet in chain:
+            code = "\n" * (snippet.line - 1) + snippet.code  # tracebacks name the page's line
+            exec(compile(code, str(page), "exec"), names)
+        yield names
     finally:
+        os.chdir(before)
         sys.path[:] = path
         for name in set(gymnasium.registry) - ids:
             del gymnasium.registry[name]

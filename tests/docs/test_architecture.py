@@ -1,12 +1,13 @@
 """The page on architecture shows the folders there are, and the rule that is checked."""
 
 import re
-import tomllib
 from pathlib import Path
+
+from coopenv.files import toml
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]
+PROJECT = toml.loads((ROOT / "pyproject.toml").read_text())["tool"]
 
 
 def section(title: str) -> str:

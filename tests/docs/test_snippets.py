@@ -5,13 +5,13 @@ import re
 import shlex
 import subprocess
 import sys
-import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 from coopenv.cli import COMMANDS
+from coopenv.files import toml
 from tests.docs.snippets import PAGES, ROOT, Snippet, chains, lay_out, running, snippets
 
 CHAINS = [chain for page in PAGES for chain in chains(page)]
@@ -79,7 +79,7 @@ def test_a_block_without_the_mark_knows_nothing_of_the_one_before(tmp_path):
 
 def test_every_command_that_a_page_names_exists():
     targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = toml.loads((ROOT / "pyproject.toml").read_text())["project"]
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for module in re.findall(r"python -m ((?:benchmarks|coopenv)[\w.]*)", text):

@@ -1,11 +1,11 @@
 """Kernel density of load shares over the unit square, and the time in its quadrants."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 from scipy.stats import gaussian_kde
+from typing_extensions import Self
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput

@@ -138,8 +138,7 @@ def refused_or_whole(
         except CoopenvError:
             counts["refused"] += 1
         except Exception as error:
-            error.add_note(f"copy {number} of seed {seed}: {done}")
-            raise
+            raise AssertionError(f"copy {number} of seed {seed}: {done}") from error
         else:
             counts["read"] += 1
     return counts

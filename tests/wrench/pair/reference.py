@@ -6,7 +6,7 @@ is convex. Numbers are read as the exact values of the floats.
 """
 
 from collections.abc import Callable
-from decimal import Decimal, localcontext
+from decimal import Context, Decimal, localcontext
 from typing import NamedTuple
 
 from coopenv.arrays import FloatArray
@@ -32,7 +32,7 @@ def least_cost(
     applied: FloatArray, grips: FloatArray, torque_weight: float = 0.5, induced: bool = False
 ) -> float:
     """J(h_M) of the optimum, of ``applied`` ``(2, 3)`` at ``grips`` ``(2, 2)``."""
-    with localcontext(prec=60):
+    with localcontext(Context(prec=60)):
         pair = _read(applied, grips, torque_weight, induced)
         reach = sum((_norm(force) for force in pair.force), ZERO)
         at_zero = _at_height(pair, ZERO)
