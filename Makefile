@@ -1,9 +1,9 @@
-# make train | test | lint | bench | soak | mutants: each makes .venv, installs what it needs, and runs.
+# make train | test | lint | bench | soak | mutants | matrix: each makes .venv, installs what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 
-.PHONY: train test lint bench soak mutants clean
+.PHONY: train test lint bench soak mutants matrix clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -25,6 +25,9 @@ soak: .venv/dev
 
 mutants: .venv/dev
 	$(BIN)/python -m benchmarks.mutants $(ARGS)
+
+matrix: .venv/dev
+	$(BIN)/python -m benchmarks.matrix $(ARGS)
 
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

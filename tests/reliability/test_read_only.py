@@ -1,0 +1,109 @@
+"""Machines on which nothing can be written: read-only installation, no home, no cache."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+KERNELS = """
+from coopenv.compiled import compiled, gufunc
+
+@compiled
+def twice(x):
+    return 2.0 * x
+
+@gufunc("(n)->()", "void(float64[:], float64[:])")
+def total(values, result):
+    result[0] = 0.0
+    for i in range(values.shape[0]):
+        result[0] += values[i]
+"""
+CALL = "import kernels; print(kernels.twice(3.0), kernels.total([1.0, 2.0]))"
+USE = """
+import numpy as np
+import coopenv
+from coopenv import wrench
+from coopenv.cli import main
+
+core = coopenv.Transport(num_worlds=2)
+core.reset(seed=0)
+core.step(np.zeros((2, 2, 3)))
+split = wrench.decompose([[3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]], [[-0.9, 0.0], [0.9, 0.0]])
+print(coopenv.__file__, split.internal[0, 0])
+assert main(["--version"]) == 0
+"""
+
+
+def without_rights() -> list[str]:
+    """What has a command obey the rights of files: the superuser may write all."""
+    if os.geteuid() != 0:
+        return []
+    if shutil.which("setpriv") is None:
+        pytest.skip("the superuser cannot be kept from writing without setpriv")
+    return ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
+
+
+def run_read_only(
+    script: str, folder: Path, **variables: str
+) -> "subprocess.CompletedProcess[str]":
+    """Run a script in a folder of which nothing can be written, with hardly an environment."""
+    inside = [path for path in (folder, *folder.rglob("*")) if path.is_dir()]
+    for path in inside:
+        path.chmod(0o555)
+    environment = {
+        "PATH": "/usr/bin:/bin",
+        "HOME": str(folder / "nobody"),
+        "LC_ALL": "C",
+        "PYTHONCOERCECLOCALE": "0",
+        "PYTHONUTF8": "0",
+        "PYTHONPATH": os.pathsep.join((str(folder), str(ROOT))),
+        **variables,
+    }
+    try:
+        return subprocess.run(
+            [*without_rights(), sys.executable, "-c", script],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    finally:
+        for path in inside:
+            path.chmod(0o755)
+
+
+def test_kernels_of_a_read_only_folder_are_compiled_in_memory_and_it_is_said_once(tmp_path):
+    folder = tmp_path / "site"
+    folder.mkdir()
+    (folder / "kernels.py").write_text(KERNELS)
+    done = run_read_only(CALL, folder)
+    assert (done.stdout, done.returncode) == ("6.0 3.0\n", 0), done.stderr
+    assert done.stderr.count("cache of compiled kernels must be writable") == 1
+    assert "NUMBA_CACHE_DIR names another folder" in done.stderr
+    assert [path.name for path in folder.iterdir()] == ["kernels.py"]
+
+
+def test_kernels_of_a_read_only_folder_are_kept_where_the_variable_says(tmp_path):
+    folder, cache = tmp_path / "site", tmp_path / "cache"
+    folder.mkdir()
+    (folder / "kernels.py").write_text(KERNELS)
+    done = run_read_only(CALL, folder, NUMBA_CACHE_DIR=str(cache))
+    assert (done.stdout, done.stderr, done.returncode) == ("6.0 3.0\n", "", 0)
+    assert list(cache.rglob("kernels.twice*.nbi"))
+
+
+@pytest.mark.slow  # compiles for half a minute
+def test_a_read_only_installation_without_home_imports_steps_and_decomposes(tmp_path):
+    folder = tmp_path / "site"
+    rubbish = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "coopenv", folder / "coopenv", ignore=rubbish)
+    done = run_read_only(USE, folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"{folder / 'coopenv' / '__init__.py'} 1.0\ncoopenv ")
+    assert done.stderr.count("Warning") == 1
+    assert "cache of compiled kernels must be writable" in done.stderr
