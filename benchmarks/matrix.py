@@ -121,7 +121,7 @@ def _tried(name: str, folder: Path, whole: bool) -> int:
     _install(name, folder, python)
     tests = ("tests",) if whole else CORNERS[name].tests
     environment = {
-        **os.environ,
+        **_environment(),
         "NUMBA_CACHE_DIR": str(folder / "numba"),  # that of the sources is another numba's
         "SDL_VIDEODRIVER": "dummy",
     }
@@ -154,8 +154,13 @@ def _install(name: str, folder: Path, python: str) -> None:
         [*install, "--editable", str(ROOT)],
         *check,  # that pyproject.toml takes these versions
     ):
-        subprocess.run(command, check=True)
+        subprocess.run(command, env=_environment(), check=True)
     mark.write_text(wanted, encoding="utf-8")
+
+
+def _environment() -> dict[str, str]:
+    """That of this process, but for modules that a corner would take instead of its own."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
 
 def _counts(output: str) -> str:

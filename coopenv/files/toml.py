@@ -5,6 +5,6 @@ import sys
 if sys.version_info >= (3, 11):
     from tomllib import TOMLDecodeError, loads
 else:
-    from tomli import TOMLDecodeError, loads
+    from tomli import TOMLDecodeError, loads  # pyright: ignore[reportMissingImports]
 
 __all__ = ["TOMLDecodeError", "loads"]
