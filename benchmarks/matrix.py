@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[1]
 PINS = ROOT / "tests" / "matrix"
 SHOWN = ("numpy", "numba", "scipy", "clarabel", "gymnasium", "pettingzoo", "pymunk")
 COLUMNS = ("command", "Python", *SHOWN, "tests")
-WRENCH = ("tests/wrench/test_measures.py", "tests/wrench/test_theorems.py", "tests/wrench/pair")
+WRENCH = ("tests/wrench/test_measures.py", "tests/wrench/pair/test_solver.py")
 VIEWS = (
     "tests/test_first_steps.py",
     "tests/test_missing.py",
