@@ -5,7 +5,6 @@ noisy sensor, a reference that leaves the room) a reading is clipped, and that i
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Self
 
 import numpy as np
 
@@ -47,7 +46,7 @@ class Bounds:
         limits: FloatArray,
         ranges: Ranges | None,
         duration: float,
-    ) -> Self:
+    ) -> "Bounds":
         """Bounds for ``bodies`` and ``limits`` ``(agent, 2)``, or for what ``ranges`` make of them.
 
         Everything else as in the class.
