@@ -15,6 +15,7 @@ from coopenv.envs import TransportEnv
 from tests.helpers import EASY_TASKS, IDS, NEVER, constant
 from tests.interop.cases import DRAWS, drawn_actions, names, started
 
+SCALE: Any = (-2.0, 2.0)
 EVERY_ID = pytest.mark.parametrize("view", IDS)
 
 
@@ -145,7 +146,8 @@ def test_unwrapping_ends_at_the_environment_whatever_is_around_it(view):
 def test_a_specification_makes_the_environment_again_with_its_wrappers(view):
     env: Any = gymnasium.wrappers.TimeAwareObservation(
         gymnasium.wrappers.RescaleAction(
-            gymnasium.make(view, horizon=17, action="force", reward="balanced"), -2.0, 2.0
+            gymnasium.make(view, horizon=17, action="force", reward="balanced"),
+            *SCALE,
         )
     )
     assert env.spec.id == view

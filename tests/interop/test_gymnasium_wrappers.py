@@ -41,16 +41,18 @@ PLAIN: dict[str, Wrap] = {
     "ReshapeObservation": lambda env: wrappers.ReshapeObservation(
         env, (2, env.observation_space.shape[0] // 2)
     ),
-    "RescaleObservation": lambda env: wrappers.RescaleObservation(finite(env), -1.0, 1.0),
+    "RescaleObservation": lambda env: wrappers.RescaleObservation(
+        finite(env), np.float32(-1), np.float32(1)
+    ),
     "TimeAwareObservation": wrappers.TimeAwareObservation,
     "ClipAction": wrappers.ClipAction,
     "DiscretizeAction": lambda env: wrappers.DiscretizeAction(env, bins=3, multidiscrete=True),
     "TransformAction": lambda env: wrappers.TransformAction(env, np.negative, env.action_space),
-    "RescaleAction": lambda env: wrappers.RescaleAction(env, -2.0, 2.0),
+    "RescaleAction": lambda env: wrappers.RescaleAction(env, np.float32(-2), np.float32(2)),
     "StickyAction": lambda env: wrappers.StickyAction(env, 0.25),
     "RepeatAction": lambda env: wrappers.RepeatAction(env, 3),
     "ClipReward": lambda env: wrappers.ClipReward(env, -0.01, 0.01),
-    "TransformReward": lambda env: wrappers.TransformReward(env, lambda reward: 2 * reward),
+    "TransformReward": lambda env: wrappers.TransformReward(env, lambda reward: 2 * float(reward)),
     "NormalizeReward": wrappers.NormalizeReward,
     "TimeLimit": lambda env: wrappers.TimeLimit(env, 7),
     "Autoreset": wrappers.Autoreset,
