@@ -1,9 +1,10 @@
-# make train | test | lint | bench | soak | mutants | matrix: each makes .venv, installs what it needs, and runs.
+# make train | test | lint | bench | interop | matrix | soak | mutants: each makes .venv, installs what it
+# needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 
-.PHONY: train test lint bench soak mutants matrix clean
+.PHONY: train test lint bench interop matrix soak mutants clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -19,6 +20,9 @@ lint: .venv/dev
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
+
+interop: .venv/dev
+	$(BIN)/python -m tests.interop $(ARGS)
 
 soak: .venv/dev
 	$(BIN)/python -m benchmarks.soak $(ARGS)
