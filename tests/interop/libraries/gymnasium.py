@@ -94,14 +94,18 @@ def film(view: str, folder: Path) -> None:
     single: Any = gymnasium.make(view, render_mode="rgb_array", horizon=4)
     many: Any = gymnasium.make_vec(view, num_envs=4, render_mode="rgb_array", horizon=4)
     for name, env in (
-        ("one", wrappers.RecordVideo(single, str(folder / "one"), lambda episode: True)),
-        ("many", vector.RecordVideo(many, str(folder / "many"), lambda episode: True)),
+        ("one", wrappers.RecordVideo(single, str(folder / "one"), episode_trigger=is_first)),
+        ("many", vector.RecordVideo(many, str(folder / "many"), episode_trigger=is_first)),
     ):
         env.reset(seed=0)
         for _ in range(4):
             env.step(env.action_space.sample())
         env.close()
         assert next((folder / name).glob("*.mp4")).stat().st_size > 1000
+
+
+def is_first(episode: int) -> bool:
+    return episode == 0
 
 
 if __name__ == "__main__":

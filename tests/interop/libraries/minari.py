@@ -3,15 +3,24 @@
 import json
 import os
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import gymnasium
 import minari
 import numpy as np
+from minari.data_collector.callbacks import StepDataCallback
 
 import coopenv  # noqa: F401 - whose ids Gymnasium then knows
 
 IDS = ["coopenv/BeamTransport-v0", "coopenv/WalkerAvoid-v0"]
 EPISODES, HORIZON = 3, 12
+
+
+class PlainInfos(StepDataCallback):
+    """Infos as plain dictionaries: what JAX knows as a tree, by which Minari collects them."""
+
+    def __call__(self, env: Any, obs: Any, info: Any, **more: Any) -> Any:
+        return super().__call__(env, obs, dict(info), **more)
 
 
 def main() -> None:
@@ -21,8 +30,8 @@ def main() -> None:
         for view in IDS:
             collect(view)
     checked = (
-        "DataCollector(record_infos=True) with every key of the info; load_dataset gives the same "
-        "arrays; recover_environment makes the same configuration, which replays the episodes"
+        "DataCollector(record_infos=True) with every key of the info, given as a plain dict by a "
+        "StepDataCallback; load_dataset gives the same arrays; recover_environment makes the same configuration, which replays the episodes"
     )
     version = minari.__version__
     told = {"library": "Minari", "version": version, "ids": IDS, "checked": checked}
@@ -32,7 +41,7 @@ def main() -> None:
 def collect(view: str) -> None:
     """A few random episodes there and back."""
     made = gymnasium.make(view, horizon=HORIZON, reward="balanced")
-    env = minari.DataCollector(made, record_infos=True)
+    env = minari.DataCollector(made, step_data_callback=PlainInfos, record_infos=True)
     env.action_space.seed(0)
     told = []
     for episode in range(EPISODES):
@@ -53,8 +62,9 @@ def collect(view: str) -> None:
     again = data.recover_environment()
     assert again.unwrapped.transport.config == made.unwrapped.transport.config
     for number, episode in enumerate(data.iterate_episodes()):
-        assert set(episode.infos) == set(told[number][0])
-        for key, column in episode.infos.items():
+        columns = flat(episode.infos)
+        assert set(columns) == set(told[number][0])
+        for key, column in columns.items():
             wanted = np.array([info[key] for info in told[number]])
             np.testing.assert_array_equal(column, wanted, err_msg=key)
         obs, _ = again.reset(seed=number)
@@ -63,6 +73,16 @@ def collect(view: str) -> None:
             obs, reward, *_ = again.step(action)
             np.testing.assert_array_equal(obs, episode.observations[k + 1])
             assert reward == episode.rewards[k]
+
+
+def flat(infos: dict[str, Any], start: str = "") -> dict[str, np.ndarray]:
+    """Columns by their names; HDF5 takes ``reward/progress`` for an entry of a group."""
+    found = {}
+    for name, value in infos.items():
+        found |= (
+            flat(value, f"{start}{name}/") if isinstance(value, dict) else {start + name: value}
+        )
+    return found
 
 
 if __name__ == "__main__":

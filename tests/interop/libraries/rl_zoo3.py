@@ -6,13 +6,15 @@ import json
 import os
 import re
 import sys
+from collections.abc import Callable
 from contextlib import chdir, redirect_stdout
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 import rl_zoo3
-from rl_zoo3.cli import main as command
+from rl_zoo3.enjoy import enjoy
+from rl_zoo3.train import train
 
 IDS = ["coopenv/BeamTransport-v0", "coopenv/BeamDoorway-v0"]
 SETTINGS = """\
@@ -48,7 +50,7 @@ def train_and_enjoy(view: str) -> None:
     Path("settings.yml").write_text(SETTINGS.format(view=view))
     named = ["--algo", "ppo", "--env", view, "--gym-packages", "coopenv", "-f", "logs"]
     seeded = ["--seed", "0", "--num-threads", "1", "--device", "cpu"]
-    run("train", *named, *seeded, "--conf-file", "settings.yml", "--eval-freq", "256")
+    run(train, *named, *seeded, "--conf-file", "settings.yml", "--eval-freq", "256")
     (evaluations,) = Path("logs").rglob("evaluations.npz")
     with np.load(evaluations) as told:
         assert told["successes"].shape == told["results"].shape == (2, 5)
@@ -59,15 +61,15 @@ def train_and_enjoy(view: str) -> None:
         rows = list(csv.DictReader(lines))
     assert len(rows) >= 512 // 20 // 2
     assert {row["is_success"] for row in rows} <= {"False", "True"}
-    said = run("enjoy", *named, *seeded, "--no-render", "-n", "100")
+    said = run(enjoy, *named, *seeded, "--no-render", "-n", "100")
     rate = re.search(r"Success rate: ([\d.]+)%", said)
     assert rate, said
     assert 0 <= float(rate[1]) <= 100
 
 
-def run(*words: str) -> str:
-    """What ``rl_zoo3 WORDS`` prints."""
-    kept, sys.argv = sys.argv, ["rl_zoo3", *words]
+def run(command: Callable[[], None], *words: str) -> str:
+    """What ``python -m rl_zoo3.COMMAND WORDS`` prints."""
+    kept, sys.argv = sys.argv, [command.__name__, *words]
     said = io.StringIO()
     try:
         with redirect_stdout(said):

@@ -25,7 +25,7 @@ def main() -> None:
         alter(module)
     checked = (
         "pettingzoo_env_to_vec_env_v1, concat_vec_envs_v1 and PPO with one policy for all agents, "
-        "alike from a file; clip_actions_v0, frame_stack_v2, dtype_v0, black_death_v3"
+        "alike from a file; clip_actions_v0, frame_stack_v2, dtype_v0"
     )
     version = supersuit.__version__
     told = {"library": "SuperSuit", "version": version, "ids": IDS, "checked": checked}
@@ -35,6 +35,7 @@ def main() -> None:
 def learn(module) -> None:
     """As the tutorial has it: one policy, a row an agent."""
     env = module.parallel_env(horizon=20)
+    env.reset(seed=0)
     count = len(env.possible_agents)
     env = supersuit.pettingzoo_env_to_vec_env_v1(env)
     env = supersuit.concat_vec_envs_v1(env, 3, num_cpus=1, base_class="stable_baselines3")
@@ -58,7 +59,6 @@ def alter(module) -> None:
     """Wrappers of other kinds around the parallel environment."""
     env = supersuit.clip_actions_v0(module.parallel_env(horizon=5))
     env = supersuit.frame_stack_v2(supersuit.dtype_v0(env, np.float64), 3)
-    env = supersuit.black_death_v3(env)
     obs, _ = env.reset(seed=0)
     bare = module.parallel_env(horizon=5)
     plain, _ = bare.reset(seed=0)
