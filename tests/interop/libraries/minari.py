@@ -31,7 +31,8 @@ def main() -> None:
             collect(view)
     checked = (
         "DataCollector(record_infos=True) with every key of the info, given as a plain dict by a "
-        "StepDataCallback; load_dataset gives the same arrays; recover_environment makes the same configuration, which replays the episodes"
+        "StepDataCallback; load_dataset gives the same arrays; recover_environment makes the same "
+        "configuration, which replays the episodes"
     )
     version = minari.__version__
     told = {"library": "Minari", "version": version, "ids": IDS, "checked": checked}
