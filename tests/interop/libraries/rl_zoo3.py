@@ -27,7 +27,7 @@ SETTINGS = """\
   n_epochs: 2
   normalize: true
   env_kwargs: {{horizon: 20}}
-  monitor_kwargs: {{info_keywords: [is_success]}}
+  monitor_kwargs: "dict(info_keywords=('is_success',))"
 """
 
 
@@ -38,7 +38,7 @@ def main() -> None:
             train_and_enjoy(view)
     checked = (
         "train with VecNormalize, then enjoy: both tell a success rate, evaluations.npz and "
-        "monitor.csv (monitor_kwargs: {info_keywords: [is_success]}) one of every episode"
+        "monitor.csv, asked for is_success, one of every episode"
     )
     version = rl_zoo3.__version__
     told = {"library": "RL Zoo", "version": version, "ids": IDS, "checked": checked}
