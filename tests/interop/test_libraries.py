@@ -28,8 +28,8 @@ def test_the_page_has_a_row_for_every_library():
 
 
 @pytest.mark.parametrize("name", BESIDE)
-def test_a_library_beside_ours_does_what_its_script_asserts(name):
-    module = MODULES[name] if name in MODULES else name
+def test_a_library_beside_ours_does_what_its_script_asserts(name: str):
+    module = MODULES.get(name, name)
     if not importlib.util.find_spec(module):
         pytest.skip(f"needs {module}")
     told = runner.run(name, Path(sys.executable))
