@@ -31,7 +31,9 @@ COLUMNS = ("library", "version", "Python", "ids", "what is asserted", "command")
 FOLDER = os.environ.get("COOPENV_INTEROP", str(ROOT / ".interop"))
 INSTALLING, RUNNING = 3600, 3600  # most seconds that may take
 ABSENT = {  # library → why no row of it can be run here
-    "PufferLib": "3.0.0 has no wheel, and its build downloads a library from outside PyPI",
+    "AgileRL": "not tried yet",
+    "PufferLib": "3.0.0 has no wheel, and its build downloads a library from outside PyPI; 2.0.2, "
+    "the last with a wheel, was not tried",
 }
 
 
