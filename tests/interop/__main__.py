@@ -45,6 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if name not in libraries():
             raise UnknownName("library", name, libraries())
     folder = Path(asked.folder).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
     for number, name in enumerate(names, start=1):
         print(f"[{number}/{len(names)}] {name}", flush=True)
         result = tried(name, folder)

@@ -37,6 +37,27 @@ def test_a_library_beside_ours_does_what_its_script_asserts(name: str):
     assert told["checked"]
 
 
+def test_an_environment_is_made_once_and_again_when_its_versions_change(tmp_path, monkeypatch):
+    called = []
+
+    def call(command, seconds, cwd=None):
+        called.append(command)
+        (tmp_path / "versions").mkdir(exist_ok=True)
+        return ""
+
+    monkeypatch.setattr(runner, "_call", call)
+    versions = tmp_path / "versions.txt"
+    versions.write_text("x==1")
+    for _ in range(2):
+        python = runner.environment(versions, tmp_path)
+        assert python == tmp_path / "versions" / "bin" / "python"
+    assert [command[1:3] for command in called] == [["-m", "venv"], ["-m", "pip"]]
+    assert called[1][-4:] == ["-r", str(versions), "-e", str(runner.ROOT)]
+    versions.write_text("x==2")
+    runner.environment(versions, tmp_path)
+    assert len(called) == 4
+
+
 GOOD = """
 import json, sys
 assert "" not in sys.path  # neither the checkout nor the folder of scripts
@@ -61,7 +82,6 @@ def scripts(tmp_path, monkeypatch):
 
 def test_the_runner_goes_on_after_a_failure_and_says_so(scripts, capsys):
     out = scripts / "out"
-    out.mkdir()
     assert runner.main(["--folder", str(out)]) == 1
     said = capsys.readouterr().out
     assert "[1/2] bad" in said
@@ -77,7 +97,6 @@ def test_the_runner_goes_on_after_a_failure_and_says_so(scripts, capsys):
 
 def test_a_row_that_is_not_run_stays_on_the_page(scripts):
     out = scripts / "out"
-    out.mkdir()
     runner.main(["--folder", str(out), "--only", "good", "--write"])
     kept = runner.page_rows()
     assert [row[0] for row in kept.values()] == ["Good"]
