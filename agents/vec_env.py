@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import LARGEST, BoolArray, IntArray, whole
+from coopenv.arrays import BoolArray, IntArray, whole
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
@@ -22,7 +22,7 @@ from coopenv.envs.common import (
 )
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.info import COST
-from coopenv.rewards.sums import check_finite
+from coopenv.rewards.sums import check_learnable
 from coopenv.snapshot import Snapshot, chosen_worlds, take_rows
 from coopenv.transport import Transport
 
@@ -128,8 +128,7 @@ class TransportVecEnv(VecEnv):
             learner learns.
         """
         obs, reward, terminated, truncated, info = self.transport.step(self._action)
-        if np.vdot(reward, reward) > LARGEST**2:  # one number for the whole batch
-            check_finite(info["reward_terms"], at_most=LARGEST)
+        check_learnable(reward, info)
         self._sums.add(reward, info)
         done = terminated | truncated
         infos: list[dict] = [{} for _ in range(self.num_envs)]

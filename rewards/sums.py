@@ -9,6 +9,7 @@ import numpy as np
 
 from coopenv.arrays import LARGEST, FloatArray, number
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.info import Info
 from coopenv.transition import Transition
 
 
@@ -146,6 +147,12 @@ def check_finite(
                 f"{agent} of world {world}; mend the term: a division by zero, a root or a "
                 "logarithm of what may be negative, or a scale"
             )
+
+
+def check_learnable(reward: FloatArray, info: Info) -> None:
+    """Raise `InvalidInput` if a reward is beyond 1e12: learners square it, in float32."""
+    if np.vdot(reward, reward) > LARGEST**2:  # one number for the whole batch
+        check_finite(info["reward_terms"], at_most=LARGEST)
 
 
 def recompute(
