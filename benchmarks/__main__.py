@@ -11,7 +11,16 @@ import pymunk
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.speed import environments, logs, partners, senses, structured, transport, wrench
+from benchmarks.speed import (
+    environments,
+    logs,
+    partners,
+    senses,
+    structured,
+    torchrl,
+    transport,
+    wrench,
+)
 
 
 def main() -> None:
@@ -21,7 +30,7 @@ def main() -> None:
         f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}, "
         f"numba {numba.__version__}, pymunk {pymunk.version}"
     )
-    for module in (wrench, structured, logs, transport, senses, partners, environments):
+    for module in (wrench, structured, logs, transport, senses, partners, environments, torchrl):
         for title, columns, rows in module.tables():
             table = Table(*columns, title=title, title_justify="left")
             for row in rows:

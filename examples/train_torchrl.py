@@ -21,10 +21,10 @@ class Config:
     """What can be changed: ``python examples/train_torchrl.py --num-worlds 256``."""
 
     env: str = "coopenv/BeamTransport-v0"  # any id
-    total_steps: int = 300_000  # control steps over all worlds
+    total_steps: int = 200_000  # control steps over all worlds
     num_worlds: int = 64  # stepped together
     rollout: int = 128  # control steps of each world between two updates
-    minibatch: int = 1024  # control steps in a gradient step
+    minibatch: int = 2048  # control steps in a gradient step
     epochs: int = 10  # times each control step is used
     learning_rate: float = 1e-3  # falls linearly to zero
     episodes: int = 200  # other ones, by which the policy is judged
@@ -69,7 +69,7 @@ def make_loss(env: torchrl.TransportTorchEnv, policy: ProbabilisticActor) -> Cli
         in_keys=[("agents", "observation")],
         out_keys=[("agents", "state_value")],
     )
-    loss = ClipPPOLoss(policy, critic, entropy_coeff=0.0, normalize_advantage=True)
+    loss = ClipPPOLoss(policy, critic, entropy_coeff=0.0)
     names = ("action", "sample_log_prob", "reward", "done", "terminated")
     loss.set_keys(value=("agents", "state_value"), **{name: ("agents", name) for name in names})
     loss.make_value_estimator(ValueEstimators.GAE, gamma=0.99, lmbda=0.95)
@@ -85,6 +85,8 @@ def update(
         after["agents", name] = after[name].unsqueeze(-2).expand_as(after["agents", "reward"])
     with torch.no_grad():
         loss.value_estimator(batch)
+    advantage = batch["advantage"]
+    batch["advantage"] = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
     steps = batch.reshape(-1)
     for _ in range(config.epochs):
         for chosen in torch.randperm(len(steps)).split(config.minibatch):
@@ -95,14 +97,13 @@ def update(
             optimiser.step()
 
 
-def train(config: Config) -> ProbabilisticActor:
-    """The policy after ``total_steps``."""
+def train(env: torchrl.TransportTorchEnv, config: Config) -> ProbabilisticActor:
+    """The policy after ``total_steps`` in ``env``."""
     torch.manual_seed(config.seed)
-    env = torchrl.make_env(config.env, config.num_worlds, seed=config.seed)
     policy = make_policy(env)
     loss = make_loss(env, policy)
     optimiser = torch.optim.Adam(loss.parameters(), lr=config.learning_rate)
-    frames = config.num_worlds * config.rollout
+    frames = env.batch_size.numel() * config.rollout
     updates = max(1, config.total_steps // frames)
     falling = torch.optim.lr_scheduler.LinearLR(optimiser, 1.0, 0.0, total_iters=updates)
     for batch in Collector(env, policy, frames_per_batch=frames, total_frames=updates * frames):
@@ -111,17 +112,21 @@ def train(config: Config) -> ProbabilisticActor:
     return policy
 
 
-def success_rate(config: Config, policy: ProbabilisticActor) -> float:
-    """Of episodes that were not trained on, with the policy's mean actions."""
-    env = torchrl.make_env(config.env, config.episodes, seed=config.seed + 10**6)
+def success_rate(env: torchrl.TransportTorchEnv, policy: ProbabilisticActor) -> float:
+    """Of an episode in each world, with the policy's mean actions."""
+    horizon = env.transport.horizon
     with torch.no_grad(), set_exploration_type(ExplorationType.DETERMINISTIC):
-        horizon = env.transport.horizon
         steps = env.rollout(horizon, policy, break_when_any_done=False, break_when_all_done=True)
     return steps["next", "terminated"].any(dim=1).float().mean().item()
 
 
-if __name__ == "__main__":
+def main(config: Config) -> None:
+    """Train, and print how well it went."""
     torch.set_num_threads(1)  # more are slower at this size
-    choice = tyro.cli(Config)
-    learned = train(choice)
-    print(f"success {success_rate(choice, learned):.2f} in {choice.episodes} other episodes")
+    policy = train(torchrl.make_env(config.env, config.num_worlds, seed=config.seed), config)
+    others = torchrl.make_env(config.env, config.episodes, seed=config.seed + 10**6)
+    print(f"success {success_rate(others, policy):.2f} in {config.episodes} other episodes")
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

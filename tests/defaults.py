@@ -27,6 +27,7 @@ ELSEWHERE = {  # filled while the program runs, or of the system or of a library
     "coopenv.envs.registry._REGISTERED",
     "coopenv.files.lock._HELD", "coopenv.files.lock._OPEN", "coopenv.files.temporary.NO_LINKS",
 }  # fmt: skip
+BESIDE = ("coopenv.agents.torchrl.benchmarl",)  # of a library that does not go with our pins
 
 
 def modules() -> list[str]:
@@ -37,7 +38,7 @@ def modules() -> list[str]:
             parts = path.relative_to(ROOT).with_suffix("").parts
             if parts[:2] not in (("coopenv", "agents"), ("coopenv", "rewards")):
                 found.append(prefix + ".".join(parts).removesuffix(".__init__"))
-    return sorted(name for name in found if not name.endswith("__main__"))
+    return sorted(each for each in found if not each.endswith("__main__") and each not in BESIDE)
 
 
 def defaults(name: str) -> dict[str, str]:

@@ -24,11 +24,11 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.torchrl", "torchrl") from error
 
-from .specs import GROUP, action_spec, done_spec, observation_spec, reward_spec
 from .resting import Resting
+from .specs import GROUP, action_spec, done_spec, observation_spec, reward_spec
 from .told import Told
 
-ACTION = GROUP, "action"
+ACTION, REWARD = (GROUP, "action"), (GROUP, "reward")
 
 
 def make_env(
@@ -175,8 +175,9 @@ class TransportTorchEnv(EnvBase):
             return told
         resting.rest(stepped)
         where = torch.from_numpy(stepped).to(told.device)
-        kept = tensordict.select(*told.keys(True, True), strict=False)  # all but the reward: 0
-        return told.where(where, kept, pad=0)
+        names = [name for name in told.keys(True, True) if name != REWARD]
+        kept = tensordict.select(*names, strict=False)
+        return told.where(where, kept, pad=0)  # what is not kept, the reward, is 0
 
     def _joint(self, tensordict: TensorDictBase) -> npt.NDArray:
         action = tensordict.get(ACTION, None)

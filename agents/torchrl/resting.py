@@ -10,8 +10,8 @@ from coopenv.transport import Transport
 class Resting:
     """Keeps worlds going that wait for a reset, since the core steps all worlds or none.
 
-    ``rollout(break_when_all_done=True)`` marks the worlds to be stepped with ``"_step"``. The others
-    begin an episode of which nobody hears, with actions of zero, until they are reset.
+    ``rollout(break_when_all_done=True)`` marks the worlds to be stepped with ``"_step"``. The
+    others begin an episode of which nobody hears, with actions of zero, until they are reset.
 
     Parameters
     ----------

@@ -7,7 +7,11 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-ARGUMENTS = {"train_ppo.py": ["--total-steps", "2048"]}
+ARGUMENTS = {
+    "train_ppo.py": ["--total-steps", "2048"],
+    "train_torchrl.py": ["--total-steps", "512", "--num-worlds", "8", "--rollout", "32",
+                         "--epochs", "1", "--episodes", "2"],
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.py")))

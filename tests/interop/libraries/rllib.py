@@ -32,9 +32,7 @@ ITERATIONS = 2
 
 def main() -> None:
     """Run all of it, and print one line of JSON."""
-    ray.init(
-        num_cpus=1, include_dashboard=False, log_to_driver=False, logging_level=logging.ERROR
-    )
+    ray.init(num_cpus=1, include_dashboard=False, log_to_driver=False, logging_level=logging.ERROR)
     for view in IDS:
         every_agent(view)
         whole_team(view)
@@ -62,9 +60,7 @@ def settings() -> PPOConfig:
 def every_agent(view: str) -> None:
     """Each agent acts on what it sees itself; both have the same policy."""
     name = f"every agent of {view}"
-    register_env(
-        name, lambda _: ParallelPettingZooEnv(IDS[view].parallel_env(horizon=HORIZON))
-    )
+    register_env(name, lambda _: ParallelPettingZooEnv(IDS[view].parallel_env(horizon=HORIZON)))
     config = (
         settings()
         .environment(name)
