@@ -80,9 +80,10 @@ def update(
     loss: ClipPPOLoss, optimiser: torch.optim.Optimizer, batch: TensorDictBase, config: Config
 ) -> None:
     """Learn from what was collected."""
-    after = batch["next"]
+    after = batch.get("next")
     for name in ("done", "terminated"):  # the agents of a world end together
-        after["agents", name] = after[name].unsqueeze(-2).expand_as(after["agents", "reward"])
+        ends = after.get(name).unsqueeze(-2).expand_as(after.get(("agents", "reward")))
+        after.set(("agents", name), ends)
     with torch.no_grad():
         loss.value_estimator(batch)
     advantage = batch["advantage"]

@@ -7,6 +7,7 @@ from tensordict import TensorDictBase
 from torchrl.data import Composite
 from torchrl.envs import EnvBase
 
+from coopenv.config import ACTIONS
 from coopenv.envs.registry import find_config
 from coopenv.errors import MissingExtra
 
@@ -18,6 +19,7 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.torchrl.benchmarl", "benchmarl") from error
 
+DISCRETE = "discrete"  # the name of numbers of pushes among actions
 INFOS = ("relative_cost", "wasted_cost", "internal_force_level")  # that are logged
 
 
@@ -52,15 +54,17 @@ class TransportTask(TaskClass):
     ) -> Callable[[], EnvBase]:
         """How a batch of ``num_envs`` worlds is made."""
         env, keywords = self.config["env"], _keywords(self.config)
+        if not continuous_actions:
+            keywords["action"] = DISCRETE
         return lambda: make_env(env, num_envs, device=device, seed=seed, info=INFOS, **keywords)
 
     def supports_continuous_actions(self) -> bool:
-        """Forces and torques are continuous."""
-        return True
+        """Forces and torques, unless numbers of pushes are asked for."""
+        return self.config.get("action") != DISCRETE
 
     def supports_discrete_actions(self) -> bool:
-        """There are none."""
-        return False
+        """Numbers of pushes, where environments have them."""
+        return DISCRETE in ACTIONS
 
     def has_render(self, env: EnvBase) -> bool:
         """Pictures are of the first world."""
@@ -70,7 +74,7 @@ class TransportTask(TaskClass):
         """The horizon, in control steps."""
         return find_config(self.config["env"], _keywords(self.config)).horizon
 
-    def group_map(self, env: EnvBase) -> dict[str, list[str]]:
+    def group_map(self, env: Any) -> dict[str, list[str]]:
         """All agents that learn, in one group."""
         return env.group_map
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.config import TransportConfig
-from coopenv.envs.common import Pictures
+from coopenv.envs.common import Pictures, start_options
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.info import Info
 from coopenv.resets import seed_worlds
@@ -28,7 +28,8 @@ from .resting import Resting
 from .specs import GROUP, action_spec, done_spec, observation_spec, reward_spec
 from .told import Told
 
-ACTION, REWARD = (GROUP, "action"), (GROUP, "reward")
+ACTION = GROUP, "action"
+REWARD = GROUP, "reward"
 
 
 def make_env(
@@ -144,16 +145,10 @@ class TransportTorchEnv(EnvBase):
         """Seed world k with ``seed + k``; its next episode begins as that of the other views."""
         seed_worlds(self.transport.generators, seed, np.arange(self.transport.num_worlds))
 
-    def _reset(
-        self,
-        tensordict: TensorDictBase | None = None,
-        *,
-        pose: npt.ArrayLike | None = None,
-        goal: npt.ArrayLike | None = None,
-    ) -> TensorDict:
-        """Begin episodes where ``"_reset"`` marks it, or in every world."""
+    def _reset(self, tensordict: TensorDictBase | None = None, **options: Any) -> TensorDict:
+        """Begin episodes where ``"_reset"`` marks it; options are ``pose`` and ``goal``."""
         core, mask = self.transport, _marks(tensordict, "_reset")
-        obs, info = core.reset(mask=mask, pose=pose, goal=goal)
+        obs, info = core.reset(mask=mask, **start_options(options))
         self._resting.wake(mask)
         start = core.transition
         assert start is not None

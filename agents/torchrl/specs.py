@@ -44,14 +44,14 @@ def action_spec(transport: Transport) -> Composite:
 def reward_spec(transport: Transport) -> Composite:
     """One reward an agent."""
     shape = transport.num_worlds, len(transport.learners), 1
-    return _by_agent("reward", Unbounded(shape=shape))
+    return _by_agent("reward", Unbounded(shape=torch.Size(shape)))
 
 
 def done_spec(transport: Transport) -> Composite:
     """One end a world: its agents end together."""
     worlds = transport.num_worlds
     ends = {
-        name: Categorical(2, shape=(worlds, 1), dtype=torch.bool)
+        name: Categorical(2, shape=torch.Size((worlds, 1)), dtype=torch.bool)
         for name in ("done", "terminated", "truncated")
     }
     return Composite(ends, shape=(worlds,))
@@ -66,10 +66,10 @@ def spec_of(space: spaces.Space, batch: tuple[int, ...]) -> TensorSpec:
         If it is neither a ``Box`` nor ``Discrete``.
     """
     if isinstance(space, spaces.Discrete):
-        return Categorical(int(space.n), shape=batch)
+        return Categorical(int(space.n), shape=torch.Size(batch))
     if not isinstance(space, spaces.Box):
         raise InvalidInput(f"space must be a Box or Discrete, got {space}; choose another action")
-    shape = *batch, *space.shape
+    shape = torch.Size((*batch, *space.shape))
     low, high = (torch.from_numpy(bound).expand(shape) for bound in (space.low, space.high))
     if space.is_bounded():
         return Bounded(low, high, shape=shape, dtype=low.dtype)

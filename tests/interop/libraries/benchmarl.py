@@ -1,5 +1,7 @@
 """BenchMARL: MAPPO on tasks of ours, a few iterations with evaluation and logs."""
 
+# pyright: reportMissingImports=false, reportAttributeAccessIssue=false
+
 import csv
 import json
 import sys
