@@ -245,7 +245,9 @@ def test_only_the_renderer_knows_pygame():
     assert folders_of(users_of("pygame")) == {Path("coopenv/render")}
 
 
-@pytest.mark.parametrize("tool", ["torch", "torchrl", "stable_baselines3", "sb3_contrib", "tensorboard"])
+@pytest.mark.parametrize(
+    "tool", ["torch", "torchrl", "stable_baselines3", "sb3_contrib", "tensorboard"]
+)
 def test_only_agents_know_what_trains_them(tool):
     assert folders_of(users_of(tool)) <= {
         Path("agents"),
