@@ -6,11 +6,11 @@ import torch
 import tyro
 from tensordict import TensorDictBase
 from tensordict.nn import TensorDictModule
-from tensordict.nn.distributions import NormalParamExtractor
+from tensordict.nn.distributions import AddStateIndependentNormalScale
 from torch import nn
 from torchrl.collectors import Collector
 from torchrl.envs.utils import ExplorationType, set_exploration_type
-from torchrl.modules import MultiAgentMLP, ProbabilisticActor, TanhNormal
+from torchrl.modules import IndependentNormal, MultiAgentMLP, ProbabilisticActor
 from torchrl.objectives import ClipPPOLoss, ValueEstimators
 
 from coopenv.agents import torchrl
@@ -21,12 +21,12 @@ class Config:
     """What can be changed: ``python examples/train_torchrl.py --num-worlds 256``."""
 
     env: str = "coopenv/BeamTransport-v0"  # any id
-    total_steps: int = 200_000  # control steps over all worlds
+    total_steps: int = 600_000  # control steps over all worlds
     num_worlds: int = 64  # stepped together
     rollout: int = 128  # control steps of each world between two updates
     minibatch: int = 2048  # control steps in a gradient step
     epochs: int = 10  # times each control step is used
-    learning_rate: float = 1e-3  # falls linearly to zero
+    learning_rate: float = 1e-3  # of Adam
     episodes: int = 200  # other ones, by which the policy is judged
     seed: int = 0  # world k is seeded with seed + k
 
@@ -50,13 +50,16 @@ def make_policy(env: torchrl.TransportTorchEnv) -> ProbabilisticActor:
     size = env.full_action_spec["agents", "action"].shape[-1]
     return ProbabilisticActor(
         TensorDictModule(
-            nn.Sequential(network(env, 2 * size, centralised=False), NormalParamExtractor()),
+            nn.Sequential(
+                network(env, size, centralised=False),
+                AddStateIndependentNormalScale(size, init_value=-0.5),  # log of the deviation
+            ),
             in_keys=[("agents", "observation")],
             out_keys=[("agents", "loc"), ("agents", "scale")],
         ),
         in_keys=[("agents", "loc"), ("agents", "scale")],
         out_keys=[("agents", "action")],
-        distribution_class=TanhNormal,
+        distribution_class=IndependentNormal,  # the core clips actions to [−1, 1]
         return_log_prob=True,
         log_prob_key=("agents", "sample_log_prob"),
     )
@@ -106,10 +109,8 @@ def train(env: torchrl.TransportTorchEnv, config: Config) -> ProbabilisticActor:
     optimiser = torch.optim.Adam(loss.parameters(), lr=config.learning_rate)
     frames = env.batch_size.numel() * config.rollout
     updates = max(1, config.total_steps // frames)
-    falling = torch.optim.lr_scheduler.LinearLR(optimiser, 1.0, 0.0, total_iters=updates)
     for batch in Collector(env, policy, frames_per_batch=frames, total_frames=updates * frames):
         update(loss, optimiser, batch, config)
-        falling.step()
     return policy
 
 
