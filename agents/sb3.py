@@ -1,13 +1,10 @@
 """Stable-Baselines3: worlds as a ``VecEnv``, trained models as policies, what a training needs."""
 
-from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
-
 from coopenv.config import TransportConfig
-from coopenv.observation.view import VIEW, WRENCH_UNIT
 
+from .features import scale_of_features
 from .learned import FallingRate, SB3Policy, Scaled, save_model
 from .settings import find_config
 from .vec_env import TransportVecEnv
@@ -61,27 +58,6 @@ def make_vec_env(
 
 
 def feature_scale(venv: TransportVecEnv) -> list[float]:
-    """One factor a feature, which brings it to order one.
-
-    What is bounded is divided by its bound (ranges by their reach), wrenches by the limits,
-    parameters of the body by what they usually are; other lengths and speeds stay in SI units.
-    """
-    core = venv.transport
-    force, torque = core.config.limits().max(axis=0)
-    wrench = [1 / force, 1 / force, 1 / torque]
-    known: dict[str, Iterable[float]] = {
-        block.name: block.spread(wrench, core.num_agents, "scale")
-        for block in VIEW
-        if block.unit == WRENCH_UNIT
-    }
-    usual = core.conditions.parameters()
-    body = [1 / (np.abs(value).max() or 1.0) for value in usual.values() if value.ndim == 1]
-    limits = [1 / force, 1 / torque]
-    known["body"] = [*body, 1.0, *limits, *[1.0, 1.0, *limits] * (core.num_agents - 1)]
-    bound = np.maximum(np.abs(core.observation.low), np.abs(core.observation.high))
-    scale = np.where(np.isfinite(bound) & (bound > 0), 1 / np.maximum(bound, 1e-9), 1.0)
-    for name, where in core.observation.blocks.items():
-        if name in known:
-            scale[where] = list(known[name])
-    rows = 1 if venv.control == "shared" else len(core.learners)
-    return np.tile(scale, rows).tolist()
+    """One factor a feature, which brings it to order one (`features.scale_of_features`)."""
+    rows = 1 if venv.control == "shared" else len(venv.transport.learners)
+    return scale_of_features(venv.transport) * rows

@@ -21,7 +21,7 @@ class Config:
     """What can be changed: ``python examples/train_torchrl.py --num-worlds 256``."""
 
     env: str = "coopenv/BeamTransport-v0"  # any id
-    total_steps: int = 600_000  # control steps over all worlds
+    total_steps: int = 200_000  # control steps over all worlds
     num_worlds: int = 64  # stepped together
     rollout: int = 128  # control steps of each world between two updates
     minibatch: int = 2048  # control steps in a gradient step
@@ -31,10 +31,22 @@ class Config:
     seed: int = 0  # world k is seeded with seed + k
 
 
-def network(env: torchrl.TransportTorchEnv, outputs: int, *, centralised: bool) -> MultiAgentMLP:
+class Scaled(nn.Module):
+    """Brings observations, which are in SI units, to order one."""
+
+    def __init__(self, env: torchrl.TransportTorchEnv):
+        super().__init__()
+        self.scale = nn.Buffer(torch.tensor(torchrl.feature_scale(env)))
+
+    def forward(self, observation: torch.Tensor) -> torch.Tensor:
+        """Observations times the factors."""
+        return observation * self.scale
+
+
+def network(env: torchrl.TransportTorchEnv, outputs: int, *, centralised: bool) -> nn.Module:
     """The same network for every agent; a centralised one sees what all agents see."""
     *_, agents, features = env.observation_spec["agents", "observation"].shape
-    return MultiAgentMLP(
+    learned = MultiAgentMLP(
         n_agent_inputs=features,
         n_agent_outputs=outputs,
         n_agents=agents,
@@ -43,6 +55,7 @@ def network(env: torchrl.TransportTorchEnv, outputs: int, *, centralised: bool) 
         num_cells=[64, 64],
         activation_class=nn.Tanh,
     )
+    return nn.Sequential(Scaled(env), learned)
 
 
 def make_policy(env: torchrl.TransportTorchEnv) -> ProbabilisticActor:

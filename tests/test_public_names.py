@@ -31,7 +31,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     ),
     "coopenv.agents.settings": ("EnvironmentChoice", "TrainConfig"),
     "coopenv.agents.studies.people": ("People",),
-    "coopenv.agents.torchrl": ("TransportTorchEnv", "make_env"),
+    "coopenv.agents.torchrl": ("TransportTorchEnv", "feature_scale", "make_env"),
     "coopenv.agents.train": ("EnvironmentChoice", "TrainConfig", "train"),
     "coopenv.arrays": ("FloatArray",),
     "coopenv.beam_doorway_v0": VIEWS,

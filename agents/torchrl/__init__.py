@@ -1,5 +1,5 @@
 """TorchRL: worlds as one batched ``EnvBase``, agents as a group; BenchMARL takes it as a task."""
 
-from .env import TransportTorchEnv, make_env
+from .env import TransportTorchEnv, feature_scale, make_env
 
-__all__ = ["TransportTorchEnv", "make_env"]
+__all__ = ["TransportTorchEnv", "feature_scale", "make_env"]

@@ -15,6 +15,7 @@ from coopenv.resets import seed_worlds
 from coopenv.rewards.sums import check_learnable
 from coopenv.transport import Transport
 
+from ..features import scale_of_features
 from ..settings import find_config
 
 try:
@@ -75,6 +76,11 @@ def make_env(
     if seed is not None:
         made.set_seed(seed)
     return made
+
+
+def feature_scale(env: "TransportTorchEnv") -> list[float]:
+    """One factor a feature of an agent, which brings it to order one."""
+    return scale_of_features(env.transport)
 
 
 class TransportTorchEnv(EnvBase):

@@ -229,6 +229,14 @@ def test_agents_that_a_partner_drives_are_not_in_the_group():
     assert small().group_map == {"agents": ["agent_0", "agent_1"]}
 
 
+def test_features_are_scaled_as_for_stable_baselines():
+    sb3 = pytest.importorskip("coopenv.agents.sb3")
+    venv = sb3.make_vec_env(num_worlds=2, control="joint", **OPTIONS["three agents"])
+    scale = torchrl.feature_scale(torchrl.make_env(num_worlds=2, **OPTIONS["three agents"]))
+    assert len(scale) == venv.transport.observation.size
+    assert scale * 3 == sb3.feature_scale(venv)
+
+
 def test_random_actions_fill_the_whole_box():
     env = torchrl.make_env(num_worlds=200)
     action = env.rand_action(env.reset())[ACTION]
