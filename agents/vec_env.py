@@ -99,6 +99,10 @@ class TransportVecEnv(VecEnv):
             observation(self.transport),
             action(self.transport),
         )
+        self.metadata = {
+            "render_modes": ["rgb_array"],
+            "render_fps": max(1, round(1 / self.transport.dt)),
+        }
 
     def reset(self) -> npt.NDArray[np.float32]:
         """Start every world anew; seeds and options that were set are used once."""

@@ -136,7 +136,10 @@ def chosen_worlds(
     """
     if worlds is None:
         return np.arange(num_worlds)
-    given = plain_array(worlds, "worlds")
+    try:
+        given = plain_array(worlds, "worlds")
+    except InvalidInput:  # told below, with what is wanted here
+        given = np.empty(0)
     known = given.ndim == 1 and len(given) > 0 and given.dtype.kind in "iu"
     if known and given.min() >= 0 and given.max() < num_worlds:
         chosen = given.astype(np.int64)

@@ -337,6 +337,7 @@ class Own:
     [
         ([0, 0], "worlds must be different whole numbers from 0 to 2"),
         ([3], "from 0 to 2"),
+        (slice(0, 2), r"whole numbers from 0 to 2, at least one, got slice\(0, 2, None\)"),
         ([], "at least one"),
         (np.array([True, False, True]), "of a mask give np.flatnonzero"),
         ([0, 1], "state must be of 1 or 2 worlds, as many as it is put into, got 3"),

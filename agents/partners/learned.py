@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import FloatArray, IntArray, finite_array, whole
+from coopenv.arrays import FloatArray, IntArray, finite_array, plain_array, whole
 from coopenv.chance import draw_keys
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput
@@ -248,7 +248,7 @@ class PolicyPlayer:
 
     def _pushed(self, given: Any) -> npt.NDArray:
         """The pushes that numbers stand for; anything else as it is."""
-        action = np.asarray(given)
+        action = plain_array(given, _ACTIONS)
         if self._table is None or action.ndim != 2:
             return action
         count = len(self._table)

@@ -208,7 +208,7 @@ def shown(value: Any, part: str) -> Any:
     """
     if isinstance(value, Mapping) and not isinstance(value, RewardSum):
         return {name: shown(item, f"{part}.{name}") for name, item in value.items()}
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [shown(item, part) for item in value]

@@ -69,7 +69,7 @@ class Specified:
 
 
 def asked_horizon() -> dict[str, int]:
-    """The horizon that ``gymnasium.make`` was asked for, if it makes an environment now.
+    """The horizon that ``gymnasium.make`` was asked for, if it makes one of our ids now.
 
     Gymnasium keeps ``max_episode_steps`` to itself and puts a time limit outside, of which the
     environment would not learn: its own horizon would end a longer episode, and the time left of
@@ -90,7 +90,7 @@ def asked_horizon() -> dict[str, int]:
     if frame is None:
         return {}
     asked, spec = frame.f_locals["max_episode_steps"], frame.f_locals["env_spec"]
-    if asked == -1:  # none of Gymnasium's
+    if asked == -1 or defaults_of(spec) is None:  # no limit; or one of an environment around it
         return {}
     limit = spec.max_episode_steps if asked is None else asked
     if limit is None:

@@ -214,6 +214,11 @@ def test_attributes_and_methods_reach_the_core():
     assert venv.unwrapped is venv
 
 
+def test_videos_of_it_run_at_the_pace_of_its_steps():
+    venv = sb3.make_vec_env("coopenv/BeamTransport-v0", 2, dt=0.1)
+    assert venv.metadata == {"render_modes": ["rgb_array"], "render_fps": 10}
+
+
 def test_it_draws_every_world():
     pytest.importorskip("pygame")
     venv = sb3.make_vec_env(num_worlds=2, render_mode="rgb_array")

@@ -70,10 +70,15 @@ def test_what_no_text_can_hold_is_refused_by_the_name_of_its_part(values, own):
 def test_numbers_in_arrays_and_modes_of_gymnasium_come_back():
     limits = np.array([3.0, 4.0])
     vector: Any = gymnasium.make_vec(
-        ID, num_envs=2, force_limit=limits, autoreset_mode=AutoresetMode.SAME_STEP
+        ID,
+        num_envs=2,
+        force_limit=limits,
+        torque_limit=np.float32(2.5),
+        autoreset_mode=AutoresetMode.SAME_STEP,
     )
     again = as_json_has_it(vector, gymnasium.make_vec).unwrapped
     assert again.transport.config.force_limit == (3.0, 4.0)
+    assert again.transport.config.torque_limit == 2.5
     assert again.autoreset_mode is AutoresetMode.SAME_STEP
 
 

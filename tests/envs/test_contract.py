@@ -392,6 +392,15 @@ def test_gymnasiums_time_limit_is_the_horizon_of_a_single_environment(view):
         assert stops == [False] * (steps - 1) + [True]
 
 
+class Around(gymnasium.Env):
+    """An environment of somebody's own with one of ours inside."""
+
+    def __init__(self, view: str):
+        self.inner = PARALLEL[view].single_env(horizon=31)
+        self.observation_space = self.inner.observation_space
+        self.action_space = self.inner.action_space
+
+
 @EVERY_ID
 def test_the_horizon_can_be_read_where_tools_look_for_it(view):
     made: Any = gymnasium.make(view, horizon=31), gymnasium.make_vec(view, horizon=31)
@@ -399,6 +408,12 @@ def test_the_horizon_can_be_read_where_tools_look_for_it(view):
         assert env.spec.max_episode_steps == 31
         assert env.unwrapped._max_episode_steps == 31
         assert "TimeLimit" not in str(env)
+    gymnasium.register("tests/Around-v0", lambda: Around(view), max_episode_steps=3)
+    try:
+        around: Any = gymnasium.make("tests/Around-v0")
+        assert around.unwrapped.inner.unwrapped.transport.horizon == 31  # the 3 are of another's
+    finally:
+        del gymnasium.registry["tests/Around-v0"]
     unlimited: Any = gymnasium.make(view, max_episode_steps=-1, horizon=31)
     assert unlimited.unwrapped.transport.horizon == 31
 
