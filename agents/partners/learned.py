@@ -68,6 +68,11 @@ class LearnedPartner:
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
+        if not isinstance(self.path, str | os.PathLike):
+            raise InvalidInput(
+                f"partner.path must be the name of a policy's file, got {self.path!r}; write for "
+                "example 'runs/policy.zip'"
+            )
         _set(self, "path", os.fspath(self.path))
         _set(self, "seed", whole(self.seed, "partner.seed", at_least=0))
         for name in ("deterministic", "trust"):

@@ -159,7 +159,7 @@ def test_files_hold_the_numbers_themselves(tmp_path):
         "sampled_success_rate", "sampled_success_interval_0", "sampled_success_interval_1",
         "success_time", "reward", "relative_cost", "wasted_cost", "internal_force_level",
         "internal_torque_level", "force_load_share_0", "force_load_share_1",
-        "torque_load_share_0", "torque_load_share_1", "load_imbalance", "contact_impulse",
+        "torque_load_share_0", "torque_load_share_1", "load_imbalance", "contact_impulse", "cost",
     ]  # fmt: skip
     assert row["force_load_share_1"] == "0.625"
     assert float(row["contact_impulse"]) == one.contact_impulse

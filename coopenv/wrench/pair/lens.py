@@ -111,11 +111,26 @@ def heron(v, forces):
 
 
 @compiled
+def at_vertex(v, forces):
+    """The u of the vertex nearer to v.
+
+    Where an arc is level at a vertex, rounding of v moves its end by the root of itself: no arc
+    tells u there, and their mean would be outside the lens by as much.
+    """
+    f1x, f1y, f2x, f2y = forces
+    second = vertex(forces)
+    if abs(v) <= abs(v - second):
+        return 0.0
+    fx, fy = f1x + f2x, f1y + f2y
+    return fy * (f2y * f1x - f2x * f1y) / max(fx * fx + fy * fy, TINY)
+
+
+@compiled
 def heron_in_lens(v, forces):
     """The u of `heron`, clipped to the lens."""
     low, high = extent(v, forces)
     if low > high:
-        return 0.5 * (low + high)
+        return at_vertex(v, forces)
     return min(max(heron(v, forces), low), high)
 
 

@@ -36,6 +36,7 @@ from coopenv.wrench.pair.lens import (
     ROUNDING,
     SECOND,
     TIE,
+    at_vertex,
     chord,
     extent,
     heron,
@@ -249,7 +250,7 @@ def _best_u(v, case):
         return _best(v, low, high, case)[0]
     left, right = extent(v, case.forces)
     if left > right:
-        return 0.5 * (left + right)
+        return at_vertex(v, case.forces)
     return min(max(0.5 * (low + high), left), right)
 
 

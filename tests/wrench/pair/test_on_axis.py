@@ -125,6 +125,15 @@ def test_torques_of_the_needed_sign_are_shared_in_proportion():
     np.testing.assert_allclose(d.manipulation[:, 2], [2.0, 0.0], rtol=1e-15)
 
 
+@pytest.mark.parametrize("torque_weight", [0.05, 0.5, 0.9])
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_answers_are_plausible_where_an_arc_is_level_at_the_vertex_of_the_lens(torque_weight, turn):
+    for across in 10.0 ** np.arange(-16.0, 0.0, 0.25):
+        applied = rotated(np.array([[-across, 1.0, 1.0], [-1.0, 0.0, 0.0]]), turn)
+        for grips in (grips_on_line((-0.5, 0.0), turn), grips_on_line((0.0, 0.7), turn)):
+            assert relative_residuals(solve(applied, grips, torque_weight)) <= 1e-14
+
+
 @given(applied=pair_wrenches, levers=levers, angle=angles, w=torque_weights, s=st.booleans())
 @settings(max_examples=400, deadline=None)
 def test_balance_and_plausibility_hold_for_any_wrench(applied, levers, angle, w, s):
