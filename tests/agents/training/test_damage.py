@@ -166,7 +166,8 @@ def test_a_policy_of_weights_that_are_nan_is_refused(finished, tmp_path, capsys)
     path.write_bytes(finished)
     policy = SB3Policy.load(path)
     with torch.no_grad():
-        next(policy.model.policy.parameters()).fill_(float("nan"))
+        for weights in policy.model.policy.parameters():
+            weights.fill_(float("nan"))
     policy.save(path)
     for trust in (False, True):
         with pytest.raises(InvalidInput, match=r"zip' must be finite.*lower learning_rate"):
