@@ -15,6 +15,7 @@ from coopenv.envs.common import (
     agent_action_space,
     agent_observation_space,
     check_render_mode,
+    metadata_of,
     start_options,
     team_action_space,
     team_actions,
@@ -99,10 +100,7 @@ class TransportVecEnv(VecEnv):
             observation(self.transport),
             action(self.transport),
         )
-        self.metadata = {
-            "render_modes": ["rgb_array"],
-            "render_fps": max(1, round(1 / self.transport.dt)),
-        }
+        self.metadata = metadata_of(self, self.transport, render_modes=["rgb_array"])
 
     def reset(self) -> npt.NDArray[np.float32]:
         """Start every world anew; seeds and options that were set are used once."""

@@ -75,13 +75,13 @@ def find_cost(cost: Any) -> RewardSum:
         if cost not in known:
             raise UnknownName("cost", cost, known)
         return known[cost]
-    return find_reward(cost, what="cost")
+    return find_reward(cost, what="cost", also=tuple(COSTS))
 
 
-def find_reward(reward: Any, *, what: str = "reward") -> RewardSum:
+def find_reward(reward: Any, *, what: str = "reward", also: tuple[str, ...] = ()) -> RewardSum:
     """A preset by name, a mapping of named terms, or a single term, as a `RewardSum`.
 
-    ``what`` it is is for errors.
+    ``what`` it is, and which names it has ``also``, are for errors.
 
     Raises
     ------
@@ -103,5 +103,5 @@ def find_reward(reward: Any, *, what: str = "reward") -> RewardSum:
         return RewardSum({getattr(term, "__name__", type(term).__name__): term})
     raise InvalidInput(
         f"{what} must be a preset name, a RewardSum or a term, got {reward!r}; "
-        f"presets: {', '.join(PRESETS)}"
+        f"presets: {', '.join((*also, *PRESETS))}"
     )

@@ -52,6 +52,11 @@ class RewardSum(Mapping[str, Term]):
                         f"weight of reward {name!r} must be at most {LARGEST:g}, got {weight}; "
                         "lower it"
                     )
+            if isinstance(name, str) and (not name or "/" in name):
+                raise InvalidInput(
+                    f"names of terms must be words without a slash, got {name!r}; infos have them "
+                    "as reward/<name>"
+                )
             if not isinstance(name, str) or not callable(term):
                 raise InvalidInput(
                     f"reward must map names to callable terms, got {name!r}: {term!r}; "

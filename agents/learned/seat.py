@@ -18,7 +18,7 @@ from coopenv.errors import CoopenvError, InvalidInput
 from coopenv.observation import Entry, Observation
 from coopenv.observation.bounds import Bounds
 from coopenv.pushes import read_pushes, table_of
-from coopenv.tasks import RollingTask
+from coopenv.tasks import TASKS, RollingTask
 
 from .spaces import Spaces, said
 from .trained_on import part_of
@@ -123,7 +123,14 @@ def _check_role(
     environment: Mapping[str, Any], config: TransportConfig, agents: tuple[int, ...]
 ) -> None:
     """Raise if it learned as another agent than those it drives, where agents are not alike."""
-    if not isinstance(config.task, RollingTask) or environment.get("partner") is None:
+    rolls = isinstance(config.task, RollingTask)
+    if _rolled(environment.get("task")) not in (rolls, None):
+        here, there = ("", "out") if rolls else ("out", "")
+        raise InvalidInput(
+            f"partner must have learned to move a body with{here} wheels, got one that learned in "
+            f"{environment['task'].get('kind')}, with{there}; its role there says nothing here"
+        )
+    if not rolls or environment.get("partner") is None:
         return
     named = environment.get("partner_agents")
     driven = config.task.partner_agents(config.num_agents) if named is None else named
@@ -136,3 +143,10 @@ def _check_role(
             f"agents of a body on wheels are not alike, got {agents}; pass "
             f"partner_agents={learned_as}"
         )
+
+
+def _rolled(task: Any) -> bool | None:
+    """Whether the task that is recorded is one of a body on wheels; ``None`` of one not ours."""
+    kind = task.get("kind") if isinstance(task, Mapping) else None
+    known = {f"coopenv.{each.__name__}": issubclass(each, RollingTask) for each in TASKS}
+    return known.get(str(kind))

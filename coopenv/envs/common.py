@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.render.renderer import MODES, Renderer
 from coopenv.transport import Transport
 
-RENDER_MODES = list(MODES)
+RENDER_MODES = tuple(MODES)
 RESET_OPTIONS = ("pose", "goal")
 
 
@@ -86,6 +87,15 @@ def options_dict(options: Mapping[str, Any] | None) -> dict[str, Any]:
             "options={'goal': (1.0, 0.0, 0.0)}"
         )
     return dict(options)
+
+
+def metadata_of(env: Any, transport: Transport, **other: Any) -> dict[str, Any]:
+    """What the class of an environment tells in ``metadata``, at this one's pace; nobody else's.
+
+    Wrappers change it: PettingZoo's `CaptureStdoutWrapper` adds a render mode.
+    """
+    fps = max(1, round(1 / transport.dt))  # pictures a second, one a control step
+    return deepcopy({**env.metadata, "render_fps": fps, **other})
 
 
 class Pictures:

@@ -19,6 +19,7 @@ from coopenv.envs.common import (
     Pictures,
     agent_action_space,
     agent_observation_space,
+    metadata_of,
     start_options,
     team_observation_space,
 )
@@ -56,7 +57,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
-        "render_modes": RENDER_MODES,
+        "render_modes": [*RENDER_MODES],
         "is_parallelizable": True,
         "render_fps": 20,
     }
@@ -72,8 +73,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         self.transport = Transport(config=TransportConfig.parse(keywords, defaults))
         self._pictures = Pictures(self.transport, render_mode)
         self.render_mode = render_mode
-        fps = max(1, round(1 / self.transport.dt))
-        self.metadata = {**self.metadata, "name": name, "render_fps": fps}
+        self.metadata = {**metadata_of(self, self.transport), "name": name}
         self.possible_agents = [f"agent_{i}" for i in self.transport.learners]
         self.agents: list[str] = []
         self.observation_spaces = {

@@ -13,6 +13,7 @@ from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     RENDER_MODES,
     Pictures,
+    metadata_of,
     start_options,
     team_action_space,
     team_actions,
@@ -48,7 +49,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - declared as gymnasium does
-        "render_modes": RENDER_MODES,
+        "render_modes": [*RENDER_MODES],
         "render_fps": 20,
     }
 
@@ -63,7 +64,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
         self.transport = Transport(config=TransportConfig.parse(keywords, defaults))
         self._pictures = Pictures(self.transport, render_mode)
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / self.transport.dt))}
+        self.metadata = metadata_of(self, self.transport)
         self.observation_space = team_observation_space(self.transport)
         self.action_space = team_action_space(self.transport)
         self.observation_blocks = self.transport.observation.blocks

@@ -14,6 +14,7 @@ from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     Pictures,
     check_render_mode,
+    metadata_of,
     options_dict,
     start_options,
     team_action_space,
@@ -69,8 +70,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         self._pictures = Pictures(self.transport, render_mode and "rgb_array")
         self.num_envs, self.render_mode = self.transport.num_worlds, render_mode
         self.metadata = {
-            **self.metadata,
-            "render_fps": max(1, round(1 / self.transport.dt)),
+            **metadata_of(self, self.transport),
             "autoreset_mode": self.autoreset_mode,
         }
         self.single_observation_space = team_observation_space(self.transport)
@@ -123,14 +123,18 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
     ) -> tuple[npt.NDArray[np.float32], Info]:
         """Go on from a state, of whichever view it is; see `coopenv.Transport.set_state`.
 
-        Worlds whose episode has ended in it are reset next as if it had ended here. Observations
-        and infos of all worlds are returned as by `reset`. With ``"rgb_array_list"`` the lists of
+        Worlds whose episode has ended in it are reset as the autoreset mode says: in the next step,
+        at once with `SAME_STEP`, by you with `DISABLED`. Observations and infos of all worlds are
+        returned as by `reset`. With ``"rgb_array_list"`` the lists of
         pictures of ``worlds`` begin anew.
         """
         obs, info = self.transport.set_state(state, worlds)
         transition = self.transport.transition
         assert transition is not None
-        self._done = transition.terminated | transition.truncated
+        ended = transition.terminated | transition.truncated
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and ended.any():
+            obs, info = self.transport.reset(mask=ended)
+        self._done = ended
         chosen = range(self.num_envs) if worlds is None else [int(k) for k in worlds]
         self._collect(chosen, np.ones(self.num_envs, dtype=np.bool_))
         return self._joint(obs), self._vector_info(info)

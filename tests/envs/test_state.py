@@ -227,6 +227,18 @@ def test_a_vec_env_reports_episodes_as_if_they_had_not_been_left():
     assert rows(venv, plan_of("vec_env", IDS[0], HORIZON, 3))[-1][3][0]["episode"]["l"] == HORIZON
 
 
+def test_worlds_that_had_ended_are_reset_at_once_where_that_is_the_vectors_way():
+    core = Transport(num_worlds=2, horizon=3)
+    core.reset(seed=0)
+    for _ in range(3):
+        core.step(np.zeros((2, 2, 3)))
+    env: Any = gymnasium.make_vec(IDS[0], 2, horizon=3, autoreset_mode="SameStep")
+    env.reset(seed=1)
+    env.unwrapped.set_state(core.get_state())
+    ends = [env.step(np.zeros((2, 6), dtype=np.float32))[3] for _ in range(3)]
+    np.testing.assert_array_equal(ends, [[False] * 2, [False] * 2, [True] * 2])
+
+
 def test_a_vec_env_begins_anew_where_the_episode_had_ended():
     venv = begun("vec_env", IDS[0], 5)
     core = Transport(num_worlds=2, config=venv.transport.config)

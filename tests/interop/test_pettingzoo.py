@@ -203,3 +203,11 @@ def test_videos_of_both_views_are_written(view, tmp_path, monkeypatch):
         (video,) = folder.iterdir()
         assert video.name == "rl-video-episode-1.mp4"
         assert video.stat().st_size > 1000
+
+
+@pytest.mark.skipif(not DRAWS, reason="needs pygame")
+def test_a_render_mode_that_a_wrapper_adds_is_its_environments_alone():
+    wrappers.CaptureStdoutWrapper(PARALLEL[IDS[0]].env(render_mode="human"))
+    for view in IDS:
+        for make in (PARALLEL[view].env, PARALLEL[view].single_env):
+            assert "ansi" not in make().metadata["render_modes"]

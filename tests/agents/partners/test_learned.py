@@ -270,6 +270,12 @@ def test_agents_of_a_walker_are_not_exchanged(tmp_path):
     with pytest.raises(InvalidInput, match=r"partner_agents must be those .*\(1,\)"):
         Transport(config=replace(walker, partner=drive))
     Transport(config=replace(walker, partner=drive, partner_agents=(1,)))
+    seen = TransportConfig(observe=walker.observe, sensing=None)
+    beam = saved(tmp_path / "beam.zip", replace(seen, partner="impedance"), "partner")
+    with pytest.raises(InvalidInput, match=r"body with wheels, got .* coopenv.TransportTask, with"):
+        Transport(config=replace(walker, partner=beam, partner_agents=(1,)))
+    with pytest.raises(InvalidInput, match=r"body without wheels, got .* coopenv.WalkerTurnTask"):
+        Transport(config=replace(seen, partner=drive))
 
 
 def steady(obs, transition):
