@@ -408,7 +408,7 @@ def test_the_horizon_can_be_read_where_tools_look_for_it(view):
         assert env.spec.max_episode_steps == 31
         assert env.unwrapped._max_episode_steps == 31
         assert "TimeLimit" not in str(env)
-    gymnasium.register("tests/Around-v0", lambda: Around(view), max_episode_steps=3)
+    gymnasium.register("tests/Around-v0", lambda **_: Around(view), max_episode_steps=3)
     try:
         around: Any = gymnasium.make("tests/Around-v0")
         assert around.unwrapped.inner.unwrapped.transport.horizon == 31  # the 3 are of another's
