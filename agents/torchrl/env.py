@@ -1,18 +1,19 @@
 """All worlds of a `coopenv.Transport` as one TorchRL ``EnvBase``."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.config import TransportConfig
 from coopenv.envs.common import Pictures, start_options
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.info import Info
 from coopenv.resets import seed_worlds
 from coopenv.rewards.sums import check_learnable
+from coopenv.snapshot import Snapshot, chosen_worlds, take_rows
 from coopenv.transport import Transport
 
 from ..features import scale_of_features
@@ -31,6 +32,7 @@ from .told import Told
 
 ACTION = GROUP, "action"
 REWARD = GROUP, "reward"
+_RESTING = "resting"  # part of a snapshot
 
 
 def make_env(
@@ -147,6 +149,42 @@ class TransportTorchEnv(EnvBase):
         self._pictures.close()
         super().close(**keywords)
 
+    def step(self, tensordict: TensorDictBase) -> Any:  # as vague as type checkers find TorchRL's
+        """Advance every world; ``tensordict`` itself, with what came of it under ``"next"``.
+
+        As ``EnvBase.step``, without its look whether shapes and ends are those of the specs, which
+        they are here.
+        """
+        special = "_step" in tensordict or "next" in tensordict or self.run_type_checks
+        if special or tensordict.batch_size != self.batch_size:
+            return super().step(tensordict)
+        return tensordict.set("next", self._step(tensordict))
+
+    def get_state(self, worlds: Sequence[int] | IntArray | None = None) -> Snapshot:
+        """As `coopenv.Transport.get_state`, with which worlds wait for a reset."""
+        state = self.transport.get_state(worlds)
+        chosen = chosen_worlds(worlds, self.transport.num_worlds)
+        return state.with_part(_RESTING, self._resting.get_state(chosen))
+
+    def set_state(  # pyright: ignore[reportIncompatibleMethodOverride]  # nothing but a name there
+        self, state: Snapshot, worlds: Sequence[int] | IntArray | None = None
+    ) -> TensorDict:
+        """Go on from a state, as `coopenv.Transport.set_state`; returns what a reset does.
+
+        Worlds whose episode had ended are ``"done"`` in it. So are those that waited for a reset:
+        they are told as truncated, and what is seen of them is the core's, not their last step.
+        """
+        obs, info = self.transport.set_state(state, worlds)
+        chosen = chosen_worlds(worlds, self.transport.num_worlds)
+        resting = state.parts.get(_RESTING)
+        if resting is not None and len(state) != len(chosen):  # one world for all
+            resting = take_rows(resting, np.zeros_like(chosen))
+        self._resting.set_state(resting, chosen)
+        last = self.transport.transition
+        assert last is not None
+        waiting = self._resting.get_state(np.arange(self.transport.num_worlds))
+        return self._tensors(obs, info, last.terminated & ~waiting, (last.truncated | waiting))
+
     def _set_seed(self, seed: int | None) -> None:
         """Seed world k with ``seed + k``; its next episode begins as that of the other views."""
         seed_worlds(self.transport.generators, seed, np.arange(self.transport.num_worlds))
@@ -187,7 +225,7 @@ class TransportTorchEnv(EnvBase):
                 f"tensordict must hold {ACTION}, got {list(tensordict.keys(True, True))}; let a "
                 "policy write it there, or env.rand_action"
             )
-        return action.detach().cpu().numpy()
+        return action.numpy(force=True)
 
     def _tensors(
         self,
@@ -206,9 +244,9 @@ class TransportTorchEnv(EnvBase):
             group["info"] = TensorDict(self._told(info), shape, device=device)
         entries: dict[str, Any] = {
             GROUP: TensorDict(group, shape, device=device),
-            "done": torch.from_numpy(terminated | truncated)[:, None],
-            "terminated": torch.from_numpy(terminated.copy())[:, None],
-            "truncated": torch.from_numpy(truncated.copy())[:, None],
+            "done": torch.from_numpy((terminated | truncated)[:, None]),
+            "terminated": torch.from_numpy(terminated[:, None].copy()),
+            "truncated": torch.from_numpy(truncated[:, None].copy()),
         }
         if self.return_state:
             entries["state"] = torch.from_numpy(obs.reshape(len(obs), -1))
@@ -218,4 +256,4 @@ class TransportTorchEnv(EnvBase):
 def _marks(tensordict: TensorDictBase | None, name: str) -> BoolArray | None:
     """The worlds that an entry marks; ``None`` where there is no such entry."""
     marks = None if tensordict is None else tensordict.get(name, None)
-    return None if marks is None else marks.detach().cpu().numpy().reshape(-1)
+    return None if marks is None else marks.numpy(force=True).reshape(-1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coopenv.arrays import BoolArray
+from coopenv.arrays import BoolArray, IntArray
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.transport import Transport
 
@@ -56,6 +56,16 @@ class Resting:
     def rest(self, stepped: BoolArray) -> None:
         """Worlds that are not ``stepped`` rest until they wake."""
         self._resting = self._resting | ~stepped
+        self._any = bool(self._resting.any())
+
+    def get_state(self, worlds: IntArray) -> BoolArray:
+        """Which of ``worlds`` rest."""
+        return self._resting[worlds]
+
+    def set_state(self, state: BoolArray | None, worlds: IntArray) -> None:
+        """Let ``worlds`` rest as `get_state` told; none of them for ``None``."""
+        self._resting = self._resting.copy()
+        self._resting[worlds] = False if state is None else state
         self._any = bool(self._resting.any())
 
     def ended(self) -> BoolArray:

@@ -1,6 +1,7 @@
 """Infos as tensors with a row for each agent that learns."""
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -35,15 +36,15 @@ class Told:
     """
 
     def __init__(self, transport: Transport, wanted: bool | Iterable[str]):
-        learners = list(transport.learners)
-        self._count = len(learners)
-        self._picked = learners if self._count < transport.num_agents else None
         self.names: tuple[str, ...] = ()
         self.example: dict[str, torch.Tensor] = {}
+        self._forms: dict[str, _Form] = {}
         if wanted is not False:
             like = Transport(num_worlds=transport.num_worlds, config=transport.config)
             _, info = like.reset(seed=0)
             self.names = tuple(info) if wanted is True else _known(wanted, info)
+            learners = list(transport.learners)
+            self._forms = {name: _form(name, info[name], learners) for name in self.names}
             self.example = self(info)
 
     def __call__(self, info: Info) -> dict[str, torch.Tensor]:
@@ -51,18 +52,33 @@ class Told:
 
         A number that is of a whole world is told to each of its agents.
         """
-        return {name: self._rows(name, info[name]) for name in self.names}
+        return {name: _rows(info[name], form) for name, form in self._forms.items()}
 
-    def _rows(self, name: str, value: npt.NDArray) -> torch.Tensor:
-        if value.ndim == 1 or name in POSES:
-            numbers = value.reshape(len(value), 1, -1).repeat(self._count, axis=1)
-        elif self._picked is not None and value.shape[1] > self._count:
-            numbers = value[:, self._picked]
-        else:
-            numbers = value
-        numbers = numbers if numbers.ndim > 2 else numbers[..., None]
-        kind = np.bool_ if value.dtype == np.bool_ else np.float32
-        return torch.from_numpy(np.array(numbers, dtype=kind, order="C"))
+
+class _Form(NamedTuple):
+    """How an info becomes a tensor: found once, as it is the same in every step."""
+
+    kind: type[np.generic]  # of the tensor's numbers
+    shape: tuple[int, ...]  # with an axis for agents, and one for numbers
+    repeats: int  # along the axis for agents
+    picked: list[int] | None  # the agents whose rows are told; ``None``: all it has
+
+
+def _form(name: str, value: npt.NDArray, learners: list[int]) -> _Form:
+    count, kind = len(learners), np.bool_ if value.dtype == np.bool_ else np.float32
+    if value.ndim == 1 or name in POSES:
+        return _Form(kind, (len(value), 1, value[0].size), count, None)
+    picked = learners if value.shape[1] > count else None
+    return _Form(kind, (len(value), count, *(value.shape[2:] or (1,))), 1, picked)
+
+
+def _rows(value: npt.NDArray, form: _Form) -> torch.Tensor:
+    if form.picked is not None:
+        value = value[:, form.picked]
+    numbers = value.astype(form.kind, order="C").reshape(form.shape)
+    if form.repeats > 1:
+        numbers = numbers.repeat(form.repeats, axis=1)
+    return torch.from_numpy(numbers)
 
 
 def _known(wanted: Iterable[str], info: Info) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ TARGETS = {256: 2.0, 1024: 1.5}  # of a step in TorchRL to `Transport.step`
 PETTINGZOO = 64  # environments
 TARGET_PETTINGZOO = 30  # times as fast as they are one after the other
 STEPS = 40  # a run; no episode ends in them
+ACTION = "agents", "action"
 NEVER = TransportTask(position_tolerance=1e-9)
 
 Run = Callable[[], float]  # seconds a step of all worlds
@@ -31,10 +32,10 @@ def torch_run(env: EnvBase, *, resets: bool = False) -> Run:
     def run() -> float:
         torch.manual_seed(0)
         data = env.reset()
-        actions = [env.full_action_spec.rand() for _ in range(STEPS)]
+        actions = [env.full_action_spec.rand()[ACTION] for _ in range(STEPS)]
         began = time.perf_counter()
         for action in actions:
-            data.update(action)
+            data.set(ACTION, action)  # as a policy does
             data = env.step_and_maybe_reset(data)[1] if resets else env.step(data)["next"]
         return (time.perf_counter() - began) / STEPS
 

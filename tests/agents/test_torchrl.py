@@ -1,5 +1,6 @@
 """The TorchRL view: specs that hold, the core's own numbers, episodes that end apart."""
 
+import copy
 import pickle
 import sys
 from importlib import import_module
@@ -16,6 +17,8 @@ torch = pytest.importorskip("torch")
 pytest.importorskip("torchrl")
 
 from tensordict import TensorDict  # noqa: E402
+from torchrl.data import Bounded, Categorical  # noqa: E402
+from torchrl.envs import EnvBase  # noqa: E402
 from torchrl.envs.utils import check_env_specs  # noqa: E402
 
 from coopenv.agents import torchrl  # noqa: E402
@@ -23,7 +26,7 @@ from coopenv.agents import torchrl  # noqa: E402
 ACTION, OBSERVATION, REWARD = (("agents", name) for name in ("action", "observation", "reward"))
 SPACES = (  # what observations, actions, agents and infos may be like
     "forces", "every block", "imperfect senses", "three agents", "one agent", "randomised plate",
-    "partner", "two of three driven",
+    "partner", "two of three driven", "discrete", "bounded", "cost",
 )  # fmt: skip
 
 
@@ -53,6 +56,20 @@ def test_torchrl_finds_the_specs_of_an_id_right(view: str):
 def test_torchrl_finds_all_specs_right_whatever_the_spaces(name: str):
     options = {"horizon": 2, **OPTIONS[name]}
     check_both_ways(torchrl.make_env(num_worlds=2, info=True, return_state=True, **options))
+
+
+def test_specs_tell_bounds_numbers_of_pushes_and_costs():
+    env = small(info=("cost", "cost/internal_force"), **OPTIONS["discrete"])
+    seen, action = env.observation_spec[OBSERVATION], env.full_action_spec[ACTION]
+    assert isinstance(seen, Bounded)
+    assert torch.isfinite(seen.space.low).all()
+    assert isinstance(action, Categorical)
+    assert env.transport.table is not None
+    assert action.n == len(env.transport.table)
+    assert action.shape == (3, 2)
+    cost = env.rollout(3)["next", "agents", "info", "cost"]
+    assert cost.shape == (3, 3, 2, 1)
+    assert (cost > 0).any()
 
 
 @pytest.mark.slow
@@ -128,11 +145,12 @@ def test_worlds_that_ended_first_wait_until_all_have():
             assert (later == last).all()
 
 
-def ended_apart():
-    """An environment in which one world has ended, its last step, and which worlds go on."""
+def ended_apart(steps=1):
+    """An environment, its step in which one world ended before the others, and which go on."""
     env = small(task=NEVER)
     data = env.reset()
-    data = env.step(env.rand_action(data))["next"]
+    for _ in range(steps):
+        data = env.step(env.rand_action(data))["next"]
     data = env.reset(data.set("_reset", torch.tensor([[True], [False], [True]])))
     while not data["done"].any():
         data = env.step(env.rand_action(data))["next"]
@@ -239,11 +257,12 @@ def test_features_are_scaled_as_for_stable_baselines():
 
 def test_random_actions_fill_the_whole_box():
     env = torchrl.make_env(num_worlds=200)
-    action = env.rand_action(env.reset())[ACTION]
+    drawn = env.rand_action(env.reset()).select(ACTION)
+    action = drawn[ACTION]
     assert action.shape == (200, 2, 3)
     assert action.min() < -0.9
     assert action.max() > 0.9
-    assert env.full_action_spec[ACTION].is_in(action)
+    assert env.full_action_spec.is_in(drawn)
 
 
 def test_wrong_calls_say_what_to_do():
@@ -278,6 +297,72 @@ def test_a_copy_through_pickle_steps_alike():
         each.set_seed(4)
     first, second = (each.step(each.reset().set(ACTION, joint))["next"] for each in (env, copy))
     assert (first == second).all()
+
+
+def ride(env, data, joint):
+    """What comes of some joint actions from ``data`` on, with resets where episodes end."""
+    seen = []
+    for action in joint:
+        step, data = env.step_and_maybe_reset(data.set(ACTION, action.clone()))
+        seen.append(step["next"])
+    return torch.stack(seen)
+
+
+def plan_of(steps):
+    return torch.from_numpy(actions(2, steps, 3, 2, 3)).float()
+
+
+def test_from_a_state_the_same_actions_lead_to_the_same_tensors():
+    env = small(info=True, return_state=True)
+    ride(env, env.reset(), plan_of(3))
+    state, joint = env.get_state(), plan_of(20)
+    first = ride(env, env.set_state(state), joint)
+    assert first["done"].any()
+    assert (ride(env, env.set_state(state), joint) == first).all()
+    other = small(info=True, return_state=True, seed=9)
+    assert (ride(other, other.set_state(state), joint) == first).all()
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_a_copy_within_an_episode_goes_on_alike(again):
+    env, joint = small(info=True), plan_of(20)
+    data = ride(env, env.reset(), plan_of(3))[-1].exclude(REWARD)
+    other, theirs = again(env), data.clone()
+    assert (ride(env, data, joint) == ride(other, theirs, joint)).all()
+
+
+def test_a_state_knows_which_worlds_wait_for_a_reset():
+    env, data, running = ended_apart(3)
+    env.step(env.rand_action(data.clone()).set("_step", running))
+    state = env.get_state()
+    assert env.reset()["done"].sum() == 0
+    env.step(env.rand_action(env.reset()))  # none waits
+    told = env.set_state(state)
+    assert told["done"].squeeze(-1).tolist() == [False, True, False]
+    assert told["truncated"].squeeze(-1).tolist() == [False, True, False]
+    with pytest.raises(ResetNeeded, match="got a step of world 1"):
+        env.step(env.rand_action(told))
+    awake = env.set_state(state.take([0]), [1])  # of a world that runs
+    assert not awake["done"].any()
+    env.step(env.rand_action(awake))
+    env.set_state(state)
+    core = Transport(num_worlds=3, config=env.transport.config)
+    core.reset(seed=0)
+    env.step(env.rand_action(env.set_state(core.get_state())))  # of another view: none waits
+
+
+def test_a_step_of_our_own_is_that_of_torchrl():
+    ours, theirs = small(info=True, return_state=True), small(info=True, return_state=True)
+    action = plan_of(1)[0]
+    first, second = (env.reset().set(ACTION, action.clone()) for env in (ours, theirs))
+    assert ours.step(first) is first
+    EnvBase.step(theirs, second)
+    assert (first == second).all()
+    assert set(first.keys(True, True)) == set(second.keys(True, True))
+    with pytest.raises(RuntimeError, match="Expected a tensordict with shape"):
+        ours.step(first["next"][:2])
+    kept = first["next"].set(ACTION, action).set("next", TensorDict({"mark": torch.ones(3)}, [3]))
+    assert ours.step(kept)["next", "mark"].all()  # what is there already stays, as in TorchRL
 
 
 def test_a_world_can_be_drawn():
