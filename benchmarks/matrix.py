@@ -27,15 +27,33 @@ ROOT = Path(__file__).parents[1]
 PINS = ROOT / "tests" / "matrix"
 SHOWN = ("numpy", "numba", "scipy", "clarabel", "gymnasium", "pettingzoo", "pymunk")
 COLUMNS = ("command", "Python", *SHOWN, "tests")
-WRENCH = ("tests/wrench/test_measures.py", "tests/wrench/pair/test_solver.py")
+WRENCH = (
+    "tests/wrench/test_measures.py",
+    "tests/wrench/pair/test_solver.py",
+    "tests/wrench/conic/test_solver.py::test_planar_problems_are_spatial_problems_in_a_plane",
+    "tests/wrench/conic/test_solver.py::test_degenerate_wrenches_are_answered_at_any_scale",
+)
+_CONTRACT = "tests/envs/test_contract.py::"
+_CHECKERS = (
+    "test_the_gymnasium_view_passes_gymnasiums_checker",
+    "test_the_pettingzoo_views_pass_its_api_tests",
+)
+_PICKLED = "test_a_pickled_environment_begins_again_alike_after_a_reset_and_a_step"
+_NAMES = ("BeamTransport", "BeamDoorway", "BeamTracking", "WalkerAvoid", "WalkerTurn")
 VIEWS = (
     "tests/test_first_steps.py",
     "tests/test_missing.py",
     "tests/physics/test_world.py",
     "tests/envs/test_registry.py",
-    "tests/envs/test_contract.py::test_the_gymnasium_view_passes_gymnasiums_checker",
-    "tests/envs/test_contract.py::test_the_pettingzoo_views_pass_its_api_tests",
-    "tests/envs/test_contract.py::test_vector_results_are_finite_and_of_the_types_promised",
+    *(
+        f"{_CONTRACT}{checker}[coopenv/{name}-v0-{options}]"
+        for checker in _CHECKERS
+        for name in _NAMES
+        for options in ("defaults", "discrete")  # all of them would take most of the time
+    ),
+    f"{_CONTRACT}test_vector_results_are_finite_and_of_the_types_promised",
+    "tests/envs/test_state.py::test_a_view_is_copied_right_after_its_reset_and_at_the_end",
+    *(f"tests/interop/test_{library}.py::{_PICKLED}" for library in ("gymnasium", "pettingzoo")),
 )
 
 
