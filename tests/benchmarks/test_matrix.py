@@ -5,8 +5,9 @@ import re
 
 import pytest
 
-from benchmarks.matrix import CORNERS, PINS, ROOT, SHOWN, interpreter, pins, row
+from benchmarks.matrix import CORNERS, PINS, ROOT, SHOWN, VIEWS, WRENCH, interpreter, pins, row
 from coopenv.files import toml
+from tests.helpers import CASE_NAMES
 
 PROJECT = toml.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 FLOOR = re.compile(r"([\w.-]+)>=([\d.]+)")
@@ -46,6 +47,14 @@ def test_the_newest_corner_has_the_versions_of_our_own_set_up():
 
 def test_the_corner_of_wrenches_has_nothing_that_simulates():
     assert not {"gymnasium", "pettingzoo", "pymunk"} & set(pins("wrench"))
+
+
+@pytest.mark.parametrize("test", [*WRENCH, *VIEWS])
+def test_what_a_corner_runs_is_there(test):
+    path, _, name = test.partition("::")
+    function, _, case = name.rstrip("]").partition("[")
+    assert f"def {function}" in (ROOT / path).read_text(encoding="utf-8")
+    assert not case or case in CASE_NAMES
 
 
 def test_the_page_shows_the_pins_of_every_corner(tmp_path):

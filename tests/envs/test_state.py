@@ -67,7 +67,9 @@ def rows(venv: Any, plan: np.ndarray) -> list[Any]:
 
 
 def vec_env(view: str) -> Any:
-    sb3 = pytest.importorskip("coopenv.agents.sb3")
+    pytest.importorskip("stable_baselines3")
+    from coopenv.agents import sb3
+
     return sb3.make_vec_env(view, 2, **KEYWORDS)
 
 

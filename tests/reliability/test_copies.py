@@ -116,7 +116,9 @@ def test_a_policy_can_be_copied(make, again):
 
 @pytest.mark.parametrize("again", AGAIN)
 def test_a_learned_policy_can_be_copied_and_acts_in_a_forked_child(again):
-    sb3 = pytest.importorskip("coopenv.agents.sb3")
+    pytest.importorskip("stable_baselines3")
+    from coopenv.agents import sb3
+
     policy = untrained(sb3)
     expected = acts(policy)
     np.testing.assert_array_equal(acts(AGAIN[again](policy)), expected)

@@ -140,7 +140,9 @@ class Stable(Vectors):
     """The vector of Stable-Baselines3."""
 
     def __init__(self, name: str):
-        sb3 = pytest.importorskip("coopenv.agents.sb3")
+        pytest.importorskip("stable_baselines3")
+        from coopenv.agents import sb3
+
         self.env = sb3.make_vec_env(name, self.per_call)
         self.env.reset()
 

@@ -57,7 +57,9 @@ def test_who_is_needed_and_not_named_knows_wheels(view):
 
 @EVERY_ID
 def test_the_default_partner_is_there_for_who_learns_beside_it(view):
-    sb3 = pytest.importorskip("coopenv.agents.sb3")
+    pytest.importorskip("stable_baselines3")
+    from coopenv.agents import sb3
+
     venv = sb3.make_vec_env(view, num_worlds=1, control="partner")
     named = find_partner(default_partner(find_config(view, {})))
     assert venv.transport.config.partner == named
