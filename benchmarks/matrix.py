@@ -160,7 +160,7 @@ def _tried(name: str, folder: Path, whole: bool) -> int:
 
 def _install(name: str, folder: Path, python: str) -> None:
     """The versions of a corner, which are all that it gets, and the package."""
-    mark, wanted = folder / "pins.json", json.dumps(pins(name))
+    mark, wanted = folder / "pins.json", json.dumps({**pins(name), "of": str(ROOT)})
     if mark.exists() and mark.read_text(encoding="utf-8") == wanted:
         return
     pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin" / "python")]

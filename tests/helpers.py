@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 
 import coopenv
 from coopenv import (
@@ -276,3 +277,11 @@ def corners(pose: npt.NDArray[np.float64], body: Body) -> npt.NDArray[np.float64
     x, y = np.array(body.outline).T
     turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)
     return turned + pose[..., None, :2]
+
+
+def vec_env(*given: Any, **keywords: Any) -> Any:
+    """The Stable-Baselines3 view, as `coopenv.agents.sb3.make_vec_env`; skipped without it."""
+    pytest.importorskip("stable_baselines3")
+    from coopenv.agents import sb3
+
+    return sb3.make_vec_env(*given, **keywords)

@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 from coopenv import Transport, TransportConfig, beam_transport_v0, rewards
-from coopenv.agents import sb3
 from coopenv.agents.evaluate import evaluate, run_episodes
 from coopenv.agents.policy import RandomPolicy
 from coopenv.errors import InvalidInput, UnknownName
-from tests.helpers import IDS, TRIO, actions, constant, parallel_actions
+from tests.helpers import IDS, TRIO, actions, constant, parallel_actions, vec_env
 
 VIEW = "coopenv/BeamTransport-v0"
 GENTLE = rewards.RewardSum(
@@ -55,8 +54,8 @@ def test_every_view_tells_the_cost_where_it_tells_the_reward():
     single = gymnasium.make(VIEW, **keywords)
     vector = gymnasium.make_vec(VIEW, num_envs=1, **keywords)
     team = beam_transport_v0.parallel_env(**keywords)
-    shared = sb3.make_vec_env(VIEW, 1, control="shared", seed=4, **keywords)
-    joint = sb3.make_vec_env(VIEW, 1, seed=4, **keywords)
+    shared = vec_env(VIEW, 1, control="shared", seed=4, **keywords)
+    joint = vec_env(VIEW, 1, seed=4, **keywords)
     for env in (core, single, vector, team):
         env.reset(seed=4)
     shared.reset()
@@ -75,7 +74,7 @@ def test_every_view_tells_the_cost_where_it_tells_the_reward():
 
 def test_stable_baselines_and_evaluations_report_the_cost_of_an_episode():
     config = TransportConfig(cost=GENTLE, horizon=3)
-    venv = sb3.make_vec_env(config, 1, seed=0)
+    venv = vec_env(config, 1, seed=0)
     venv.reset()
     paid = [venv.step(action[None])[-1][0] for action in actions(2, 3, 6)]
     ended = paid[-1]["episode"]

@@ -10,12 +10,11 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.spaces import Discrete, MultiDiscrete
 
 from coopenv import PUSHES, Transport, TransportConfig, beam_transport_v0
-from coopenv.agents import sb3
 from coopenv.agents.controllers import RandomPolicy, find_controller
 from coopenv.agents.evaluate import evaluate
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.pushes import nearest, table_of
-from tests.helpers import EASY, TRIO, assert_same
+from tests.helpers import EASY, TRIO, assert_same, vec_env
 
 VIEW = "coopenv/BeamTransport-v0"
 OWN = ((0.0, 0.0, 0.0), (0.5, -0.25, 1.0), (-1.0, 0.0, 0.5))
@@ -53,7 +52,7 @@ def test_every_view_offers_the_numbers_and_shows_the_same_episode():
     vector = gymnasium.make_vec(VIEW, num_envs=1, **keywords)
     team = beam_transport_v0.parallel_env(**keywords)
     turns = beam_transport_v0.env(**keywords)
-    venv: Any = sb3.make_vec_env(VIEW, 1, seed=3, **keywords)
+    venv: Any = vec_env(VIEW, 1, seed=3, **keywords)
     assert single.action_space == vector.single_action_space == MultiDiscrete([7, 7])
     assert team.action_space("agent_1") == turns.action_space("agent_0") == Discrete(7)
     assert venv.action_space == MultiDiscrete([7, 7])
@@ -77,7 +76,7 @@ def test_every_view_offers_the_numbers_and_shows_the_same_episode():
 
 def test_an_agent_for_itself_has_one_number_in_stable_baselines():
     for control, rows in (("shared", 4), ("partner", 2)):
-        venv: Any = sb3.make_vec_env(VIEW, 2, control=control, action="discrete", pushes="grid")
+        venv: Any = vec_env(VIEW, 2, control=control, action="discrete", pushes="grid")
         assert venv.action_space == Discrete(27)
         venv.reset()
         assert venv.step(np.zeros(rows, dtype=np.int64))[0].shape == (rows, 22)

@@ -248,7 +248,9 @@ def test_agents_that_a_partner_drives_are_not_in_the_group():
 
 
 def test_features_are_scaled_as_for_stable_baselines():
-    sb3 = pytest.importorskip("coopenv.agents.sb3")
+    pytest.importorskip("stable_baselines3")
+    from coopenv.agents import sb3
+
     venv = sb3.make_vec_env(num_worlds=2, control="joint", **OPTIONS["three agents"])
     scale = torchrl.feature_scale(torchrl.make_env(num_worlds=2, **OPTIONS["three agents"]))
     assert len(scale) == venv.transport.observation.size
