@@ -11,6 +11,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray, with_rows
 from coopenv.compiled import gufunc
+from coopenv.pytrees import register_dictionary
 from coopenv.transition import Transition
 
 REWARD, BODY, COST = "reward/", "body/", "cost"  # what keys of a group begin with
@@ -52,6 +53,9 @@ class Info(dict[str, Any]):
     def copy(self) -> "Info":
         """A copy that knows its groups too."""
         return type(self)(self)
+
+
+register_dictionary(Info)
 
 
 def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:

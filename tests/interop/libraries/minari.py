@@ -8,19 +8,11 @@ from typing import Any
 import gymnasium
 import minari
 import numpy as np
-from minari.data_collector.callbacks import StepDataCallback
 
 import coopenv  # noqa: F401 - whose ids Gymnasium then knows
 
 IDS = ["coopenv/BeamTransport-v0", "coopenv/WalkerAvoid-v0"]
 EPISODES, HORIZON = 3, 12
-
-
-class PlainInfos(StepDataCallback):
-    """Infos as plain dictionaries: what JAX knows as a tree, by which Minari collects them."""
-
-    def __call__(self, env: Any, obs: Any, info: Any, **more: Any) -> Any:
-        return super().__call__(env, obs, dict(info), **more)
 
 
 def main() -> None:
@@ -30,9 +22,8 @@ def main() -> None:
         for view in IDS:
             collect(view)
     checked = (
-        "DataCollector(record_infos=True) with every key of the info, given as a plain dict by a "
-        "StepDataCallback; load_dataset gives the same arrays; recover_environment makes the same "
-        "configuration, which replays the episodes"
+        "DataCollector(record_infos=True) with every key of the info; load_dataset gives the same "
+        "arrays; recover_environment makes the same configuration, which replays the episodes"
     )
     version = minari.__version__
     told = {"library": "Minari", "version": version, "ids": IDS, "checked": checked}
@@ -42,7 +33,7 @@ def main() -> None:
 def collect(view: str) -> None:
     """A few random episodes there and back."""
     made = gymnasium.make(view, horizon=HORIZON, reward="balanced")
-    env = minari.DataCollector(made, step_data_callback=PlainInfos, record_infos=True)
+    env = minari.DataCollector(made, record_infos=True)
     env.action_space.seed(0)
     told = []
     for episode in range(EPISODES):
