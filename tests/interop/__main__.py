@@ -5,7 +5,8 @@ python -m tests.interop --only minari rllib    # some of them
 python -m tests.interop --write                # also writes the table of docs/ecosystem.md
 
 Each has a virtual environment with the versions of its file in ``requirements``; files that say
-``-r other.txt`` and no more share one. Environments are kept, and made anew when a file changes.
+``-r other.txt`` and no more share one. Environments are kept, and installed into again when a file
+or our own requirements change.
 """
 
 import argparse
@@ -92,12 +93,14 @@ def environment(versions: Path, folder: Path) -> Path:
     """The Python of the virtual environment with these versions, made if it is not there."""
     home = folder / versions.stem
     python, mark = home / "bin" / "python", home / "versions.txt"
-    wanted = "\n".join(
-        path.read_text(encoding="utf-8") for path in (versions, ROOT / "pyproject.toml")
+    project, _, _ = (
+        (ROOT / "pyproject.toml").read_text(encoding="utf-8").partition("\n[tool.pytest")
     )
+    wanted = versions.read_text(encoding="utf-8") + project
     if not (mark.exists() and mark.read_text(encoding="utf-8") == wanted):
         print(f"    installing {versions.name}", flush=True)
-        _call([sys.executable, "-m", "venv", str(home)], INSTALLING)
+        if not python.exists():
+            _call([sys.executable, "-m", "venv", str(home)], INSTALLING)
         install = ["-m", "pip", "install", "--quiet", "-r", str(versions), "-e", str(ROOT)]
         _call([str(python), *install], INSTALLING)
         with written(mark) as part:
@@ -106,11 +109,13 @@ def environment(versions: Path, folder: Path) -> Path:
 
 
 def run(name: str, python: Path) -> dict[str, Any]:
-    """What a script tells in its last line of JSON, run in an empty folder."""
-    script = HERE / "libraries" / f"{name}.py"
-    # -P: beside the script, others have the names of the libraries that it imports.
+    """What a script tells in its last line of JSON, run as a module in an empty folder.
+
+    So it may import the examples, and none of the scripts hides the library of its name.
+    """
+    module = ".".join((HERE / "libraries" / name).relative_to(ROOT).parts)
     with TemporaryDirectory() as empty:
-        said = _call([str(python), "-P", str(script)], RUNNING, cwd=empty)
+        said = _call([str(python), "-m", module], RUNNING, cwd=empty)
     told = next(line for line in reversed(said.splitlines()) if line.startswith("{"))
     version = _call([str(python), "-c", "import platform; print(platform.python_version())"], 60)
     return {**json.loads(told), "python": version.strip()}
@@ -163,8 +168,7 @@ def _cell(text: str) -> str:
 
 def _call(command: list[str], seconds: float, cwd: str | None = None) -> str:
     """What a command prints; `subprocess.CalledProcessError` with what it said if it fails."""
-    environment = {**os.environ, "SDL_VIDEODRIVER": "dummy"}
-    environment.pop("PYTHONPATH", None)  # the installed package is what is tried
+    environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
         command,
         check=True,

@@ -37,12 +37,15 @@ def test_a_library_beside_ours_does_what_its_script_asserts(name: str):
     assert told["checked"]
 
 
-def test_an_environment_is_made_once_and_again_when_its_versions_change(tmp_path, monkeypatch):
+def test_an_environment_is_made_once_and_installed_into_again_when_its_versions_change(
+    tmp_path, monkeypatch
+):
     called = []
 
     def call(command, seconds, cwd=None):
         called.append(command)
-        (tmp_path / "versions").mkdir(exist_ok=True)
+        (tmp_path / "versions" / "bin").mkdir(parents=True, exist_ok=True)
+        (tmp_path / "versions" / "bin" / "python").touch()
         return ""
 
     monkeypatch.setattr(runner, "_call", call)
@@ -55,12 +58,14 @@ def test_an_environment_is_made_once_and_again_when_its_versions_change(tmp_path
     assert called[1][-4:] == ["-r", str(versions), "-e", str(runner.ROOT)]
     versions.write_text("x==2")
     runner.environment(versions, tmp_path)
-    assert len(called) == 4
+    assert [command[1:3] for command in called[2:]] == [["-m", "pip"]]
 
 
 GOOD = """
-import json, sys
-assert "" not in sys.path  # neither the checkout nor the folder of scripts
+import json, sys, tempfile
+from pathlib import Path
+import examples.of_ours
+assert Path(sys.path[0]).parent == Path(tempfile.gettempdir())  # not the folder of the scripts
 print("noise")
 print(json.dumps({"library": "Good", "version": "1", "ids": ["coopenv/A-v0"], "checked": "a | b"}))
 """
@@ -73,7 +78,10 @@ def scripts(tmp_path, monkeypatch):
         for folder, suffix, held in (("libraries", "py", text), ("requirements", "txt", "x==1")):
             (tmp_path / folder).mkdir(exist_ok=True)
             (tmp_path / folder / f"{name}.{suffix}").write_text(held)
+    (tmp_path / "examples").mkdir()
+    (tmp_path / "examples" / "of_ours.py").write_text("")
     monkeypatch.setattr(runner, "HERE", tmp_path)
+    monkeypatch.setattr(runner, "ROOT", tmp_path)
     monkeypatch.setattr(runner, "PAGE", tmp_path / "page.md")
     (tmp_path / "page.md").write_text("<!-- libraries -->\n<!-- libraries -->\n")
     monkeypatch.setattr(runner, "environment", lambda versions, folder: Path(sys.executable))
