@@ -100,9 +100,9 @@ def environment(versions: Path, folder: Path) -> Path:
     if not (mark.exists() and mark.read_text(encoding="utf-8") == wanted):
         print(f"    installing {versions.name}", flush=True)
         if not python.exists():
-            _call([sys.executable, "-m", "venv", str(home)], INSTALLING)
-        install = ["-m", "pip", "install", "--quiet", "-r", str(versions), "-e", str(ROOT)]
-        _call([str(python), *install], INSTALLING)
+            _call([sys.executable, "-m", "venv", "--without-pip", str(home)], INSTALLING)
+        pip = [sys.executable, "-m", "pip", "--python", str(python)]
+        _call([*pip, "install", "--quiet", "-r", str(versions), "-e", str(ROOT)], INSTALLING)
         with written(mark) as part:
             part.write_text(wanted, encoding="utf-8")
     return python
@@ -115,7 +115,7 @@ def run(name: str, python: Path) -> dict[str, Any]:
     """
     module = ".".join((HERE / "libraries" / name).relative_to(ROOT).parts)
     with TemporaryDirectory() as empty:
-        said = _call([str(python), "-m", module], RUNNING, cwd=empty)
+        said = _call([str(python), "-m", module], RUNNING, cwd=empty, PYTHONPATH=str(ROOT))
     told = next(line for line in reversed(said.splitlines()) if line.startswith("{"))
     version = _call([str(python), "-c", "import platform; print(platform.python_version())"], 60)
     return {**json.loads(told), "python": version.strip()}
@@ -166,9 +166,9 @@ def _cell(text: str) -> str:
     return str(text).replace("|", "/").replace("\n", " ")
 
 
-def _call(command: list[str], seconds: float, cwd: str | None = None) -> str:
+def _call(command: list[str], seconds: float, cwd: str | None = None, **variables: str) -> str:
     """What a command prints; `subprocess.CalledProcessError` with what it said if it fails."""
-    environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": str(ROOT)}
+    environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": "", **variables}
     done = subprocess.run(
         command,
         check=True,
