@@ -6,7 +6,7 @@ import, whenever that is; nothing of JAX is imported from here.
 """
 
 import sys
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
@@ -59,11 +59,11 @@ class _AfterImport(MetaPathFinder):
 
 
 def _register(kind: type[dict[str, Any]], trees: Any) -> None:
-    def flat(node: dict[str, Any]) -> tuple[list[Any], Hashable]:
+    def flat(node: dict[str, Any]) -> tuple[list[Any], tuple[str, ...]]:
         names = tuple(sorted(node))
         return [node[name] for name in names], names
 
-    def flat_with_keys(node: dict[str, Any]) -> tuple[list[Any], Hashable]:
+    def flat_with_keys(node: dict[str, Any]) -> tuple[list[Any], tuple[str, ...]]:
         entries, names = flat(node)
         return [(trees.DictKey(n), e) for n, e in zip(names, entries, strict=True)], names
 

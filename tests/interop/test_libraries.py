@@ -55,7 +55,7 @@ def test_an_environment_is_made_once_and_installed_into_again_when_its_versions_
         python = runner.environment(versions, tmp_path)
         assert python == tmp_path / "versions" / "bin" / "python"
     assert [command[1:3] for command in called] == [["-m", "venv"], ["-m", "pip"]]
-    assert called[1][3:5] == ["--python", str(python)]
+    assert called[1][4] == str(tmp_path / "versions" / "bin" / "python")
     assert called[1][-4:] == ["-r", str(versions), "-e", str(runner.ROOT)]
     versions.write_text("x==2")
     runner.environment(versions, tmp_path)
