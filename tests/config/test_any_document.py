@@ -67,7 +67,9 @@ TERMS = st.one_of(
         scale=st.none() | SIZES,
     ),
 )
-NAMES = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=8)
+NAMES = st.text(
+    st.characters(exclude_categories=["Cs"], exclude_characters="/"), min_size=1, max_size=8
+)
 REWARDS = st.sampled_from(list(rewards.PRESETS)) | st.dictionaries(
     NAMES, TERMS, min_size=1, max_size=4
 ).map(rewards.RewardSum)
