@@ -234,7 +234,7 @@ def users_of(tool: str) -> set[str]:
 
 
 def test_only_one_module_knows_the_simulator():
-    assert users_of("pymunk") == {"coopenv.physics.world"}
+    assert users_of("pymunk") == {"coopenv.physics.shard"}
 
 
 def folders_of(names: set[str]) -> set[Path]:

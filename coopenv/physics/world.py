@@ -1,43 +1,19 @@
-"""World: batches of bodies in rooms, simulated by pymunk. The only file that imports it.
+"""World: batches of bodies in rooms, a shard of them in each pymunk space."""
 
-`pymunk.batch` is marked experimental upstream; everything used of it is in `_Shard`.
-"""
-
-import weakref
 from collections.abc import Sequence
 
 import numpy as np
-import pymunk
-import pymunk.batch as batch
 
 from coopenv.arrays import FloatArray, IntArray, has_items, with_items
-from coopenv.errors import BodyLost, InvalidInput
-from coopenv.physics import motion
+from coopenv.errors import InvalidInput
 from coopenv.physics.body import Body
-from coopenv.physics.scene import WALL_THICKNESS, Scene
+from coopenv.physics.scene import Scene
+from coopenv.physics.shard import Shard, Space
 from coopenv.physics.threads import side_by_side
 
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
-SOLVER_ITERATIONS = 10
-COLLISION_SLOP = 1e-3  # [m] overlap left alone; pymunk's default of 0.1 is meant for pixels
-# Substeps without contact after which its impulse is forgotten. In the first substep of a contact
-# pymunk does not apply a remembered impulse but takes it back all the same, friction's part too:
-# under the default of 3 a body that touched a wall again was pulled or pushed by an old impact.
-COLLISION_PERSISTENCE = 1
 
 _STATE = ("pose", "twist", "contact_impulse", "contact_shift")
-_REPORT = (
-    batch.BodyFields.POSITION
-    | batch.BodyFields.ANGLE
-    | batch.BodyFields.VELOCITY
-    | batch.BodyFields.ANGULAR_VELOCITY
-)
-_COMMAND = (
-    batch.BodyFields.VELOCITY
-    | batch.BodyFields.ANGULAR_VELOCITY
-    | batch.BodyFields.FORCE
-    | batch.BodyFields.TORQUE
-)
 
 
 class World:
@@ -85,7 +61,7 @@ class World:
         self.contact_shift = np.zeros(self.num_worlds)
         reach = max(body.reach for body in self.bodies) if reach is None else reach
         self._shards = [
-            _Shard(
+            Shard(
                 self.bodies[start : start + SHARD_SIZE],
                 self.scenes[start : start + SHARD_SIZE],
                 self.substep,
@@ -95,7 +71,7 @@ class World:
         ]
 
     @property
-    def spaces(self) -> list[pymunk.Space]:
+    def spaces(self) -> list[Space]:
         """The pymunk spaces, for measurements; worlds may be stored in any order in them."""
         return [shard.space for shard in self._shards]
 
@@ -205,184 +181,5 @@ class World:
         side_by_side(advance, len(self._shards))
 
 
-class _Shard:
-    """Worlds far apart on a grid in one pymunk space."""
-
-    def __init__(
-        self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float, reach: float
-    ):
-        self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
-        self._table = _table(bodies, substep)
-        self.space = pymunk.Space()
-        self.space.iterations = SOLVER_ITERATIONS
-        self.space.collision_slop = COLLISION_SLOP
-        self.space.collision_persistence = COLLISION_PERSISTENCE
-        self._origin = _grid(scenes, reach)
-        bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
-        self._rooms = np.concatenate([self._origin, bounds], axis=1)
-        for scene, origin in zip(scenes, self._origin, strict=True):
-            self._build(scene.walls(), origin, scene.friction)
-        self._obstacles = [
-            self._build([box.vertices for box in scene.obstacles], origin, scene.friction)
-            for scene, origin in zip(scenes, self._origin, strict=True)
-        ]
-        self._ids = np.zeros(len(bodies), dtype=np.int64)
-        self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
-        self._expected = np.zeros((len(bodies), 6))
-        self._command, self._commands = _array_of(_buffer(self), len(bodies))
-        self._report, self._reports = _array_of(_buffer(self), len(bodies))
-        self._names = _buffer(self)
-        self._rows = self._find_rows()
-
-    def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
-        self._table[worlds] = _table(bodies, self._substep)
-        for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
-            self._bodies[k] = body
-            if scene == self._scenes[k]:
-                continue
-            self._scenes[k] = scene
-            for obstacle in self._obstacles[k]:
-                self.space.remove(obstacle)
-                obstacle.body = None  # else the static body keeps it for good
-            boxes = [box.vertices for box in scene.obstacles]
-            self._obstacles[k] = self._build(boxes, self._origin[k], scene.friction)
-
-    def place(self, worlds: IntArray, pose: FloatArray) -> None:
-        # A new body as well as a new shape: the correction velocity of the last contact stays
-        # with the body, the impulses that warm-start the next one with the shape.
-        position = (pose[:, :2] + self._origin[worlds]).tolist()
-        for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
-            old = self._shapes[k]
-            assert old.body is not None
-            self.space.remove(old, old.body)
-            self._shapes[k] = self._add(k, x, y, angle)
-        # A step of no time moves nothing. It lets go of the shapes that were removed, which the
-        # space otherwise keeps until it steps, however often worlds are placed meanwhile.
-        self.space.step(0.0)
-        self._rows = self._find_rows()
-
-    def move(self, worlds: IntArray, pose: FloatArray) -> None:
-        position = (pose[:, :2] + self._origin[worlds]).tolist()
-        for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
-            body = self._shapes[k].body
-            assert body is not None
-            body.position, body.angle = (x, y), angle
-
-    def step(
-        self,
-        before: tuple[FloatArray, ...],
-        reached: tuple[FloatArray, ...],
-        substeps: int,
-    ) -> None:
-        """Go on from pose and twist under a wrench; writes pose, twist, impulse and shift."""
-        rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        pose, wrench, buffers = reached[0], before[2], (self._report, self._command)
-        motion.drive(rows, table, *before, substep, self._command, expected)
-        for _ in range(substeps - 1):
-            self._move()
-            lost = motion.collect_and_drive(
-                rows, table, self._rooms, buffers, expected, reached, wrench, substep
-            )
-            self._check_held(lost, pose)
-        self._move()
-        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
-        self._check_held(lost, pose)
-
-    def _move(self) -> None:
-        """Let pymunk read the commands, step, and report."""
-        batch.set_space_bodies(self.space, _COMMAND, self._commands)
-        self.space.step(self._substep)
-        self._reports.clear()
-        batch.get_space_bodies(self.space, _REPORT, self._reports)
-
-    def _check_held(self, lost: int, pose: FloatArray) -> None:
-        """Raise `BodyLost` for the world ``lost``, if it is one."""
-        if lost >= 0:
-            x, y = pose[lost, :2]
-            raise BodyLost(
-                f"the body must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond the walls; "
-                "use more substeps, a heavier body, more drag or weaker agents"
-            )
-
-    def _build(
-        self, solids: Sequence[FloatArray], origin: FloatArray, friction: float
-    ) -> list[pymunk.Poly]:
-        """Put solids into the space where nothing moves them."""
-        built = []
-        for solid in solids:
-            shape = pymunk.Poly(self.space.static_body, (solid + origin).tolist())
-            shape.friction = friction
-            self.space.add(shape)
-            built.append(shape)
-        return built
-
-    def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
-        body = pymunk.Body(self._bodies[k].mass, self._bodies[k].inertia or 0.0)
-        body.position, body.angle = (x, y), angle
-        shape = pymunk.Poly(body, self._bodies[k].outline)
-        shape.friction = self._bodies[k].friction
-        self.space.add(body, shape)
-        self._ids[k] = body.id
-        return shape
-
-    def _find_rows(self) -> IntArray:
-        """The row of each world in pymunk's order, which changes when a body is replaced."""
-        self._names.clear()
-        batch.get_space_bodies(self.space, batch.BodyFields.BODY_ID, self._names)
-        listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
-        order = np.argsort(listed)
-        return order[np.searchsorted(listed, self._ids, sorter=order)]
-
-
 def _walls(scene: Scene) -> tuple[tuple[float, float], float]:
     return scene.size, scene.friction
-
-
-def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
-    return motion.coefficients(
-        np.array([body.mass for body in bodies]),
-        np.array([body.inertia for body in bodies]),
-        np.array([body.linear_drag for body in bodies]),
-        np.array([body.angular_drag for body in bodies]),
-        substep,
-        np.array([body.nonholonomic for body in bodies]),
-        np.array([body.reach for body in bodies]),
-    )
-
-
-_spare: list[batch.Buffer] = []  # of owners that are gone; pymunk never frees the memory of one
-
-
-def _buffer(owner: object) -> batch.Buffer:
-    """A buffer of pymunk's, for another owner once this one is gone."""
-    try:
-        buffer = _spare.pop()
-    except IndexError:
-        buffer = batch.Buffer()
-    weakref.finalize(owner, _give_back, buffer).atexit = False  # worlds may still be stepped then
-    return buffer
-
-
-def _give_back(buffer: batch.Buffer) -> None:
-    buffer.set_float_buf(np.zeros(1))  # lets go of the owner's array
-    _spare.append(buffer)
-
-
-def _array_of(buffer: batch.Buffer, num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
-    """An array of six columns that pymunk reads and writes in place through ``buffer``.
-
-    The static body takes a row after the others. One more stays empty: pymunk reallocates a
-    buffer as soon as it is full, and this memory is NumPy's.
-    """
-    array = np.zeros((num_bodies + 2, 6))
-    buffer.set_float_buf(array)
-    return array, buffer
-
-
-def _grid(scenes: Sequence[Scene], reach: float) -> FloatArray:
-    """Centres of the worlds ``(world, 2)`` [m], too far apart for anything to reach over."""
-    farthest = max(np.abs(solid).max() for scene in scenes for solid in scene.solids())  # [m]
-    pitch = 2 * farthest + 2 * reach
-    columns = int(np.ceil(np.sqrt(len(scenes))))
-    index = np.arange(len(scenes))
-    return pitch * np.stack([index % columns, index // columns], axis=-1).astype(np.float64)
