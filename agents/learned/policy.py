@@ -19,16 +19,14 @@ from coopenv.transport import Transport
 
 from ..noise import EpisodeKeys
 from ..policy import Seat
-from .files import copy_of, load_model, save_model
+from .files import copy_of, load_model, save_model, saved_normalization
 from .finite import DIVERGED, has_diverged
 from .memory import EpisodeMemory
-from .normalization import Normalization, Normalize
-from .record import RECORD, notes_now
+from .normalization import Normalization, Normalize, Statistics
+from .record import RECORD, check_trained_on, notes_now
 from .sampling import can_be_sampled, sampled
 from .seat import bounds_for, pushes_of, seats, seen_by
 from .spaces import spaces_of
-from .statistics import Statistics, saved_normalization
-from .trained_on import check_trained_on
 
 
 class SB3Policy:
