@@ -12,7 +12,7 @@ from coopenv.info import Info, copied
 from coopenv.physics.threads import one_thread_at_a_time
 from coopenv.resets import Seed, all_or_nothing, check_free, given_pose, marked_worlds, seed_worlds
 from coopenv.snapshot import VERSION, Snapshot, chosen_worlds, fitting
-from coopenv.stepped import SteppedWorlds
+from coopenv.stepping.worlds import SteppedWorlds
 
 
 class Transport(SteppedWorlds):

@@ -42,7 +42,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
 
     Every agent has its own observation and reward; they end together. Agents that a ``partner``
     drives are not among them. Info, per agent: as `coopenv.info.step_info`, wrenches, shares and
-    reward terms and cost its own; of a partner, as `coopenv.driven.DrivenAgents.info`.
+    reward terms and cost its own; of a partner, as `coopenv.stepping.driven.DrivenAgents.info`.
 
     Parameters
     ----------

@@ -33,7 +33,8 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     with ``action="discrete"`` the number of a push an agent.
     Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms and cost
     averaged over the team. Agents that a ``partner`` drives have no part in observation, action,
-    reward and cost; what is true of it is in the info (`coopenv.driven.DrivenAgents.info`).
+    reward and cost; what is true of it is in the info, as
+    `coopenv.stepping.driven.DrivenAgents.info` has it.
 
     ``horizon`` truncates, and is ``spec.max_episode_steps``; ``gymnasium.make(...,
     max_episode_steps=)`` is another word for it, shorter or longer.

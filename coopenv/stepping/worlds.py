@@ -9,7 +9,6 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, whole, with_rows
 from coopenv.conditions import Conditions, Team
 from coopenv.config import ACTIONS, TransportConfig
-from coopenv.driven import driven_agents, read_action
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.geometry import frames
 from coopenv.info import CLIPPED, Info, cost_info, start_info, step_info, with_worlds
@@ -20,6 +19,7 @@ from coopenv.physics.world import World
 from coopenv.pushes import pushed
 from coopenv.resets import Draws
 from coopenv.snapshot import generator_states, put_generators, take_rows
+from coopenv.stepping.driven import driven_agents, read_action
 from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
 from coopenv.wrench.grasp import sum_at_centre
