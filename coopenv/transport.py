@@ -9,7 +9,7 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray, booleans
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.info import Info, copied
-from coopenv.physics.threads import one_thread_at_a_time
+from coopenv.physics.threads import in_use, one_thread_at_a_time
 from coopenv.resets import Seed, all_or_nothing, check_free, given_pose, marked_worlds, seed_worlds
 from coopenv.snapshot import VERSION, Snapshot, chosen_worlds, fitting
 from coopenv.stepping.worlds import SteppedWorlds
@@ -238,7 +238,6 @@ class Transport(SteppedWorlds):
         obs, reward, terminated, truncated, info = self.advance(action, restart=restart)
         return obs.copy(), reward, terminated.copy(), truncated.copy(), copied(info)
 
-    @one_thread_at_a_time
     def advance(
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None
     ) -> tuple[npt.NDArray[np.float32], FloatArray, BoolArray, BoolArray, Info]:
@@ -246,14 +245,20 @@ class Transport(SteppedWorlds):
 
         For views, which copy before they hand anything out.
         """
-        if restart is not None:
-            restart = booleans(restart, "restart", self.num_worlds)
-        reward, success, truncated = self._step(action, restart)
-        if restart is None or not restart.any():
-            return self._obs, reward, success, truncated, self._info
-        obs, info = self.reset(mask=restart)
-        reward[restart] = 0
-        return obs, reward, success & ~restart, truncated & ~restart, info
+        turn = self.turn
+        if not turn.acquire(False):  # as `one_thread_at_a_time`, in less time
+            raise in_use()
+        try:
+            if restart is not None:
+                restart = booleans(restart, "restart", self.num_worlds)
+            reward, success, truncated = self._step(action, restart)
+            if restart is None or not restart.any():
+                return self._obs, reward, success, truncated, self._info
+            obs, info = self.reset(mask=restart)
+            reward[restart] = 0
+            return obs, reward, success & ~restart, truncated & ~restart, info
+        finally:
+            turn.release()
 
 
 def _made(kind: type[Transport], num_worlds: int, config: TransportConfig) -> Transport:

@@ -102,7 +102,7 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     A fresh array. What an agent is not told reads 0, a share that is not defined 1/n.
     """
     decomposition, state = transition.decomposition, transition.next_state
-    team, share = transition.team, decomposition.load_share
+    team, share = transition.team, decomposition.share_or_even
     return _seen(
         _ends(team.num_agents),
         (state.pose, state.twist, state.goal),
@@ -131,7 +131,7 @@ def _seen(begin, motion, told, frame, wrenches, shares, cost):
     wrenches
         Applied and internal, ``(world, agent, 3)`` each, object frame.
     shares
-        Of force and torque, ``(world, agent)`` each.
+        Of force and torque, ``(world, agent)`` each, 1/n where undefined.
     cost
         ``(world,)``.
     """
@@ -166,9 +166,8 @@ def _seen(begin, motion, told, frame, wrenches, shares, cost):
                 at = begin[_PART.partner_internal] + 3 * step
                 _write_wrench(internal, k, other, c_own, s_own, row, at)
 
-            at, force, torque = begin[_PART.load_share], force_share[k, i], torque_share[k, i]
-            row[at] = 1 / num_agents if np.isnan(force) else force
-            row[at + 1] = 1 / num_agents if np.isnan(torque) else torque
+            at = begin[_PART.load_share]
+            row[at], row[at + 1] = force_share[k, i], torque_share[k, i]
             row[begin[_PART.relative_cost]] = cost[k]
     return seen
 

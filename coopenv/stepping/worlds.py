@@ -57,7 +57,7 @@ class SteppedWorlds:
         )
         self._draws = Draws(self.config, self.num_worlds)
         self.conditions = self._draws.first()
-        self.team.decomposer(self.config.decomposition)  # raises here rather than in a step
+        self.team.decomposer()  # raises here rather than in a step
         self.world = World(
             self.bodies,
             self.scenes,
@@ -160,7 +160,7 @@ class SteppedWorlds:
         self.world.step(sum_at_centre(applied, self.team.grips))
         next_state = self._state(before.next_state.goal, self._episodes.tick())
         success, truncated = self._episodes.judge(self.conditions, next_state)
-        self.transition = transition = Transition(
+        self.transition = transition = Transition.of_step(
             state=before.next_state,
             next_state=next_state,
             conditions=self.conditions,
