@@ -103,19 +103,23 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     """
     decomposition, state = transition.decomposition, transition.next_state
     team, share = transition.team, decomposition.share_or_even
-    return _seen(
-        _ends(team.num_agents),
+    begin, num_agents = _ends(team.num_agents), team.num_agents
+    seen = np.empty((len(state.pose), num_agents, begin[-1]), dtype=np.float32)
+    _write_view(
+        begin,
         (state.pose, state.twist, state.goal),
         transition.conditions.told,
         team.frame,
         (transition.applied, decomposition.internal),
         (share.force, share.torque),
         decomposition.relative_cost,
+        seen,
     )
+    return seen
 
 
 @compiled
-def _seen(begin, motion, told, frame, wrenches, shares, cost):
+def _write_view(begin, motion, told, frame, wrenches, shares, cost, seen):
     """See `agent_view`.
 
     Parameters
@@ -134,12 +138,13 @@ def _seen(begin, motion, told, frame, wrenches, shares, cost):
         Of force and torque, ``(world, agent)`` each, 1/n where undefined.
     cost
         ``(world,)``.
+    seen
+        ``(world, agent, feature)`` written.
     """
     pose, twist, goal = motion
     applied, internal = wrenches
     force_share, torque_share = shares
     num_worlds, num_agents = frame.shape[:2]
-    seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
     for k in range(num_worlds):
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         dx, dy, turn = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1], goal[k, 2] - pose[k, 2]
@@ -169,7 +174,6 @@ def _seen(begin, motion, told, frame, wrenches, shares, cost):
             at = begin[_PART.load_share]
             row[at], row[at + 1] = force_share[k, i], torque_share[k, i]
             row[begin[_PART.relative_cost]] = cost[k]
-    return seen
 
 
 @inlined
