@@ -169,6 +169,14 @@ def of_agents(info: Info, agents: Sequence[int]) -> list[Info]:
     return told
 
 
+def means(values: FloatArray) -> FloatArray:
+    """Mean of the team's numbers in each world ``(world,)``, of ``(world, learner)``.
+
+    To the bits of NumPy's own, which takes twice as long to call.
+    """
+    return np.add.reduce(values, axis=1) / values.shape[1]
+
+
 def mean(values: FloatArray) -> float:
     """Mean of the team's numbers in one world ``(1, learner)``.
 
