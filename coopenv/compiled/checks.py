@@ -10,5 +10,5 @@ def is_finite(array):
     """Whether every element is a finite number."""
     finite = True
     for number in array.flat:
-        finite = finite and np.isfinite(number)
+        finite &= np.isfinite(number)
     return finite

@@ -103,8 +103,9 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     """
     decomposition, state = transition.decomposition, transition.next_state
     team, share = transition.team, decomposition.share_or_even
-    begin, num_agents = _ends(team.num_agents), team.num_agents
-    seen = np.empty((len(state.pose), num_agents, begin[-1]), dtype=np.float32)
+    num_worlds, num_agents = transition.applied.shape[:2]
+    begin = _ends(num_agents)
+    seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
     _write_view(
         begin,
         (state.pose, state.twist, state.goal),

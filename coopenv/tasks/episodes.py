@@ -82,7 +82,7 @@ class Episodes:
         if self._is_judged:
             self._distances = self._distances + state.distance
             success = success & task.accepts(self._distances / self._steps)
-        truncated = np.empty(len(success), dtype=np.bool_)
+        truncated = np.empty(len(self._steps), dtype=np.bool_)
         self._any_ended = _end(success, self._steps, self._horizon, truncated, self._ended)
         return success, truncated
 
@@ -98,9 +98,6 @@ def _tick(steps, dt, time):
 @compiled
 def _end(success, steps, horizon, truncated, ended):
     """Write which worlds ran out of time and which ended either way; return whether any did."""
-    any_ended = False
-    for k in range(len(steps)):
-        truncated[k] = steps[k] >= horizon and not success[k]
-        ended[k] = truncated[k] or success[k]
-        any_ended = any_ended or ended[k]
-    return any_ended
+    truncated[:] = (steps >= horizon) & ~success  # raises where a task judged too few worlds
+    ended[:] = truncated | success
+    return ended.any()
