@@ -12,6 +12,7 @@ from coopenv import cli
 from coopenv.agents.studies.walker import avoid, turn
 from coopenv.agents.studies.walker.report import Walk
 from coopenv.agents.studies.walker.simulations import RollingPlan, WalkerAvoid, WalkerTurn
+from tests.agents.studies.printed import files_named
 
 TURN = WalkerTurn(dt=0.02)
 AVOID = WalkerAvoid(dt=0.02)
@@ -81,6 +82,7 @@ def test_the_command_prints_its_claims_and_leaves_its_files(name, tmp_path, caps
     assert names == {
         "claims.md", "claims.csv", "time.png", "way.png", "series.csv", "series.npz",
     }  # fmt: skip
+    assert files_named(printed, tmp_path) == names
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     arrays = np.load(tmp_path / "series.npz")
