@@ -1,5 +1,6 @@
 """Files are opened by the suffix of their name, and every format has a reader and a writer."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +70,20 @@ def test_a_table_that_is_abandoned_can_be_deleted(suffix, tmp_path):
         sink.abandon()
         path.unlink(missing_ok=True)
         assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+def test_the_memory_of_a_table_does_not_grow_with_the_rows_that_are_written(suffix, tmp_path):
+    peaks = []
+    for pieces in (8, 24):
+        tracemalloc.start()
+        sink = formats.open_sink(tmp_path / f"a{pieces}{suffix}")
+        for _ in range(pieces):
+            sink.write({name: np.random.default_rng(0).random(20_000) for name in ("time", "f1x")})
+        sink.close()
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.3 * peaks[0]
 
 
 def test_an_unknown_suffix_is_answered_with_those_that_are_known(tmp_path):
