@@ -9,7 +9,7 @@ import pytest
 from coopenv import Body, Box, DoorwayTask, Scene, Transport, TransportTask
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.tasks.passage import GAP, GAP_Y, HALF_DEPTH, WALL_X
+from coopenv.tasks.passage import GAP, GAP_Y, HALF_DEPTH, STANDOFF, WALL_X
 from tests.helpers import CLUTTERED, TRIO, corners
 
 HALL = Scene(size=(7.0, 4.0))
@@ -177,6 +177,20 @@ def test_obstacles_of_the_scene_stay_and_never_stand_before_the_gap():
     assert all(len(scene.obstacles) == 4 for scene in core.scenes)
     for scene, start, goal in zip(core.scenes, state.pose, state.goal, strict=True):
         assert all(scene.is_clear(outline) for outline in corners(np.array([start, goal]), Body()))
+
+
+def test_the_gap_is_wherever_the_way_through_it_keeps_off_obstacles():
+    pillar = Box(center=(0.6, 0.9), size=(0.3, 0.3))  # [m]
+    scene, generator = replace(HALL, obstacles=(pillar,)), np.random.default_rng(0)
+    for body, standoff, most in (
+        (Body(), 0.1 + 1.0 + 0.05, 0.75),  # beside half the wall it needs its half, with clearance
+        (Body.beam(length=0.3), 0.1, 1.45),  # it turns in the gap: the pillar is out of its way
+    ):
+        plan = np.array([DoorwayTask().sample(generator, body, scene).plan for _ in range(300)])
+        assert plan[:, STANDOFF] == pytest.approx(standoff, abs=0.01)
+        upper = plan[:, GAP_Y] + plan[:, GAP] / 2
+        assert most - 0.06 < upper.max() <= most
+        assert (plan[:, GAP_Y] - plan[:, GAP] / 2).min() < -1.3
 
 
 def test_an_asymmetric_body_passes_at_the_angle_at_which_it_is_narrowest():
