@@ -281,6 +281,17 @@ def test_a_disk_that_is_full_while_a_kernel_is_kept_stops_nothing(start, monkeyp
         assert start() == (0, 1)
 
 
+def test_a_kernel_of_ours_has_a_cache_that_is_checked_and_a_function_of_others_has_numbas(start):
+    start()
+    ours = sys.modules["fragile"].twice.py_func
+    made = {name: (make(ours), make(run)) for name, make in compile_cache._replaced.items()}
+    assert set(made) == {"FunctionCache", "GufWrapperCache"}
+    for checked, plain in made.values():
+        assert type(plain).__module__.startswith("numba.")
+        assert type(checked).__module__ == compile_cache.__name__
+        assert issubclass(type(checked), type(plain))
+
+
 def test_threads_may_decompose_at_the_same_time():
     applied = np.random.default_rng(0).normal(size=(20_000, 2, 3))
     decomposer = wrench.Decomposer([[-0.9, 0.0], [0.9, 0.0]])

@@ -188,7 +188,9 @@ def test_a_blueprint_builds_no_layer_beyond_the_weights_in_the_file(plain, tmp_p
                 SB3Policy.load(path)
 
 
-@pytest.mark.parametrize("layers", [None, [], [8], {"dict": {"pi": [8]}}, [8, {"dict": {"pi": [8]}}]])
+@pytest.mark.parametrize(
+    "layers", [None, [], [8], {"dict": {"pi": [8]}}, [8, {"dict": {"pi": [8]}}]]
+)
 def test_a_blueprint_chooses_from_no_more_than_the_weights_in_the_file(layers, plain, tmp_path):
     blueprint = json.loads(member_of(plain, "coopenv_model.json"))
     blueprint["spaces"]["action_space"] = {"pushes": 10**4}

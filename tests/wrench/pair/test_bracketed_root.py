@@ -1,6 +1,7 @@
 """Roots of functions of one number, by the plain Python of the compiled method."""
 
 from math import cos, exp
+from typing import Any
 
 import pytest
 
@@ -16,7 +17,8 @@ def root(function, low, high, resolution=0.0):
         return function(x) - shift
 
     values = function(low), function(high)
-    found = root_of(watched).py_func(low, values[0], high, values[1], 0.0, resolution)
+    compiled: Any = root_of(watched)
+    found = compiled.py_func(low, values[0], high, values[1], 0.0, resolution)
     return found, len(places)
 
 

@@ -99,7 +99,7 @@ def _ordered(a, b):
 
 
 def test_operators_take_lanes_and_numbers_beside_lanes_and_nothing_else():
-    with pytest.raises(TypingError, match="add.*Mask, Lanes"):
+    with pytest.raises(TypingError, match=r"add.*Mask, Lanes"):
         _mixed(np.zeros((4, 4)).ctypes.data)
-    with pytest.raises(TypingError, match="lt.*complex128, complex128"):
+    with pytest.raises(TypingError, match=r"lt.*complex128, complex128"):
         _ordered(1j, 2j)
