@@ -65,6 +65,36 @@ def test_the_forces_are_equal_where_the_resultant_turns_round(avoided):
     assert (resultant[at] * resultant[at - 1] < 0).all()
 
 
+@pytest.mark.parametrize(
+    ("resultant", "turned"),
+    [((2, -1, -1, 3), [1, 3]), ((2, 0, 1, 2), []), ((2, 1, 3, 2), []), ((-1, 0, -1, 2), [3])],
+)
+def test_forces_are_equal_where_the_resultant_passes_zero_and_not_where_it_touches_it(
+    resultant, turned, avoided
+):
+    applied = np.zeros((4, 2, 3))
+    applied[:, 1, 0] = -4.0  # [N] of the drive
+    applied[:, 0, 0] = np.add(resultant, 4.0)
+    assert avoid.equalities(replace(avoided, applied=applied)).tolist() == turned
+    applied[:, 1, 0] *= -1  # which goes along with the human
+    applied[:, 0, 0] = np.add(resultant, 4.0)
+    assert avoid.equalities(replace(avoided, applied=applied)).tolist() == []
+
+
+def test_where_forces_are_never_equal_nothing_is_said_of_what_is_before_or_after(avoided):
+    applied = avoided.applied.copy()
+    applied[:, :, 0] = 5.0, 2.5  # [N]
+    found = avoid.claims(Walk(replace(avoided, applied=applied)), AVOID)
+    unknown = [claim for claim in found if np.isnan(claim.measured)]
+    assert [claim.text.split(" (")[0] for claim in unknown] == [
+        "γ is largest where the two forces are equal: apart by",
+        "γ peaks each time the two forces are equal",
+        "α_f,1 = 1 in the 0.5 s before the forces are first equal",
+        "α_f,1 = 0 in the 0.2 s after",
+    ]
+    assert not any(claim.holds for claim in unknown)
+
+
 def test_a_drive_that_lets_go_breaks_them(avoided):
     applied = avoided.applied.copy()
     applied[:, 1] = 0.0
