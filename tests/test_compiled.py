@@ -172,6 +172,14 @@ def test_a_cache_left_by_two_processes_at_once_is_mended(tmp_path):
     assert run(CALL, tmp_path) == "3.0"
 
 
+def test_a_loop_left_by_another_process_is_compiled_again(start, tmp_path):
+    assert start() == (0, 1)
+    for kernel in (tmp_path / "__pycache__").glob("fragile.total*.nb[ic]"):
+        kernel.unlink()  # compiled anew, it has a name that the cached loop does not know
+    assert start() == (1, 0)
+    assert start() == (1, 0)
+
+
 FRAGILE = """
 from coopenv.compiled import compiled, gufunc
 

@@ -258,6 +258,17 @@ def test_a_description_names_code_of_ones_own_without_its_hash(tmp_path, monkeyp
     assert said == "reward.mine described_rewards:Mine(weight=3.0)"
 
 
+def test_only_an_environment_with_code_of_ones_own_is_said_to_have_some(tmp_path, monkeypatch):
+    (tmp_path / "own_rewards.py").write_text(OWN)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    import own_rewards  # type: ignore[import-not-found]
+
+    terms = {**SHORT.terms, "mine": own_rewards.Mine(weight=3.0)}
+    own = replace(SHORT, reward=rewards.RewardSum(terms))
+    assert Provenance.of_environment(own, "each").has_own_code
+    assert not Provenance.of_environment(SHORT, "each").has_own_code
+
+
 OWN = """
 from dataclasses import dataclass
 import numpy as np

@@ -179,18 +179,28 @@ def test_obstacles_of_the_scene_stay_and_never_stand_before_the_gap():
         assert all(scene.is_clear(outline) for outline in corners(np.array([start, goal]), Body()))
 
 
-def test_the_gap_is_wherever_the_way_through_it_keeps_off_obstacles():
-    pillar = Box(center=(0.6, 0.9), size=(0.3, 0.3))  # [m]
-    scene, generator = replace(HALL, obstacles=(pillar,)), np.random.default_rng(0)
-    for body, standoff, most in (
-        (Body(), 0.1 + 1.0 + 0.05, 0.75),  # beside half the wall it needs its half, with clearance
-        (Body.beam(length=0.3), 0.1, 1.45),  # it turns in the gap: the pillar is out of its way
-    ):
-        plan = np.array([DoorwayTask().sample(generator, body, scene).plan for _ in range(300)])
-        assert plan[:, STANDOFF] == pytest.approx(standoff, abs=0.01)
-        upper = plan[:, GAP_Y] + plan[:, GAP] / 2
-        assert most - 0.06 < upper.max() <= most
-        assert (plan[:, GAP_Y] - plan[:, GAP] / 2).min() < -1.3
+@pytest.mark.parametrize("x", [-1.4, -0.9, 0.6, 1.4])  # [m] of a pillar
+@pytest.mark.parametrize("y", [-0.9, 0.4])
+@pytest.mark.parametrize(
+    ("body", "standoff"),
+    [(Body(), 0.1 + 1.0 + 0.05), (Body.beam(length=0.3), 0.1)],  # [m]; the latter turns in the gap
+    ids=["lengthwise", "at any angle"],
+)
+def test_only_obstacles_in_the_way_through_the_gap_move_it(body, standoff, x, y):
+    scene = replace(HALL, obstacles=(Box(center=(x, y), size=(0.3, 0.3)),))
+
+    def is_in_the_way(plan):
+        off = np.abs(np.subtract((x, y), (plan[WALL_X], plan[GAP_Y])))
+        return bool((off < (plan[STANDOFF] + 0.15, plan[GAP] / 2 + 0.15)).all())
+
+    for seed in range(60):
+        free, plan = (
+            DoorwayTask().sample(np.random.default_rng(seed), body, room).plan
+            for room in (HALL, scene)
+        )
+        assert plan[STANDOFF] == pytest.approx(standoff, abs=0.01)
+        assert (plan != free) == is_in_the_way(free)
+        assert not is_in_the_way(plan)
 
 
 def test_an_asymmetric_body_passes_at_the_angle_at_which_it_is_narrowest():
