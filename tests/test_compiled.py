@@ -173,6 +173,14 @@ def test_a_cache_left_by_two_processes_at_once_is_mended(tmp_path):
     assert run(CALL, tmp_path) == "3.0"
 
 
+def test_a_loop_left_by_another_process_is_compiled_again(start, tmp_path):
+    assert start() == (0, 1)
+    for kernel in (tmp_path / "__pycache__").glob("fragile.total*.nb[ic]"):
+        kernel.unlink()  # compiled anew, it has a name that the cached loop does not know
+    assert start() == (1, 0)
+    assert start() == (1, 0)
+
+
 @pytest.fixture
 def start(tmp_path, monkeypatch):
     """Import kernels as a new process would; how many were in the cache, and how many not."""
@@ -265,6 +273,17 @@ def test_a_disk_that_is_full_while_a_kernel_is_kept_stops_nothing(start, monkeyp
     monkeypatch.setattr(compile_cache.IndexDataCacheFile, "_open_for_write", full)
     with pytest.warns(UserWarning, match="No space left on device"):
         assert start() == (0, 1)
+
+
+def test_a_kernel_of_ours_has_a_cache_that_is_checked_and_a_function_of_others_has_numbas(start):
+    start()
+    ours = sys.modules["fragile"].twice.py_func
+    made = {name: (make(ours), make(run)) for name, make in compile_cache._replaced.items()}
+    assert set(made) == {"FunctionCache", "GufWrapperCache"}
+    for checked, plain in made.values():
+        assert type(plain).__module__.startswith("numba.")
+        assert type(checked).__module__ == compile_cache.__name__
+        assert issubclass(type(checked), type(plain))
 
 
 def test_threads_may_decompose_at_the_same_time():

@@ -3,11 +3,16 @@
 One is known by its file and its lines before and after, so that it may move in the file.
 """
 
+import sys
 from functools import cache
 from pathlib import Path
 
 from benchmarks.mutants.source import Change, Source
-from coopenv.files import toml
+
+if sys.version_info >= (3, 11):  # not by coopenv.files, since children import coopenv themselves
+    import tomllib as toml
+else:
+    import tomli as toml  # pyright: ignore[reportMissingImports]
 
 LIST = Path(__file__).with_name("equivalent.toml")
 

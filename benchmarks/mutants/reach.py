@@ -85,10 +85,19 @@ class Reach:
             return -_nearness(code, file), -len(close & self._words[file]), one.seconds
 
         ordered = sorted(chosen, key=order)
-        pinning = self.project.pinning
-        if change.at_import and pinning in self._words:  # its table is text, which names nothing
-            ordered.insert(0, Selected(pinning, UNKNOWN, recorded=False))
+        if change.at_import:
+            ordered = [*self._pinning(), *ordered]
         return ordered
+
+    def _pinning(self) -> list[Selected]:
+        """The tests of every constant, whose table is text that names nothing."""
+        file = self.project.pinning
+        if file not in self._words:
+            return []
+        if file not in self.recording.files:
+            return [Selected(file, UNKNOWN, recorded=False)]
+        seconds = self.recording.seconds.items()
+        return [Selected(test, taken) for test, taken in seconds if test.startswith(f"{file}::")]
 
     def _is_recorded(self, change: Change) -> bool:
         """Whether tests ran other lines of the function or class: then it is no kernel."""

@@ -17,6 +17,7 @@ from benchmarks.mutants.child import Child
 from benchmarks.mutants.tree import Tree
 
 WALL = 3600.0  # [s] for a file of tests
+RAN = (0, 1, 5)  # pytest's codes of a run: all passed, some failed, none was chosen
 OPTIONS = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--hypothesis-seed=0"]
 
 
@@ -89,7 +90,8 @@ class Recorder:
                 done += 1
                 print(f"recorded {done}/{total} {file} {ended.cpu:.0f} s", flush=True)
                 if not self._read(file):
-                    raise RuntimeError(f"{file} must leave a record, got none; see {self.folder}")
+                    log = self._path(file).with_suffix(".log")
+                    raise RuntimeError(f"{file} must leave a record, got none; see {log}")
             time.sleep(0.05)
 
     def _compiled(self) -> int:
@@ -166,8 +168,10 @@ def record(tree: Tree, file: str, to: Path) -> int:
     measure.start()
     watch = _Watch(measure)
     places = [f"--rootdir={root}", f"--basetemp={to.with_suffix('.tmp')}"]
-    pytest.main([*OPTIONS, *places, file], plugins=[watch])
+    code = pytest.main([*OPTIONS, *places, file], plugins=[watch])
     measure.stop()
+    if code not in RAN:
+        return int(code)
     data = measure.get_data()
     lines = {}
     for measured in data.measured_files():

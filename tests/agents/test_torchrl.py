@@ -4,6 +4,7 @@ import copy
 import pickle
 import sys
 from importlib import import_module
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -392,3 +393,27 @@ def test_without_benchmarl_its_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "benchmarl.environments", None)
     with pytest.raises(MissingExtra, match=r"pip install 'coopenv\[benchmarl\]'"):
         import_module("coopenv.agents.torchrl.benchmarl")
+
+
+@pytest.mark.parametrize("continuous", [True, False])
+def test_a_task_of_benchmarl_gives_the_actions_that_are_asked_for(continuous, monkeypatch):
+    class Task:  # BenchMARL's own, as far as it matters
+        def __init__(self, name, config):
+            self.name, self.config = name, config
+
+    environments = ModuleType("benchmarl.environments")
+    vars(environments)["TaskClass"] = Task
+    monkeypatch.setitem(sys.modules, "benchmarl", ModuleType("benchmarl"))
+    monkeypatch.setitem(sys.modules, "benchmarl.environments", environments)
+    monkeypatch.delitem(sys.modules, "coopenv.agents.torchrl.benchmarl", raising=False)
+    module = import_module("coopenv.agents.torchrl.benchmarl")
+    monkeypatch.delitem(sys.modules, "coopenv.agents.torchrl.benchmarl")
+    task = module.make_task(horizon=7)
+    assert task.supports_continuous_actions()
+    assert task.supports_discrete_actions()
+    env = task.get_env_fun(3, continuous, 0, "cpu")()
+    assert env.batch_size == (3,)
+    assert task.max_steps(env) == 7
+    spec = task.action_spec(env)["agents", "action"]
+    assert spec.dtype.is_floating_point == continuous
+    env.close()

@@ -427,6 +427,15 @@ def test_a_horizon_that_a_specifications_limit_would_cut_is_refused():
 
 
 @EVERY_ID
+def test_without_a_render_mode_there_are_no_pictures(view):
+    for env in (gymnasium.make_vec(view, num_envs=2), gymnasium.make(view)):
+        plain: Any = env.unwrapped
+        plain.reset(seed=0)
+        assert plain.render_mode is None
+        assert plain.render() is None
+
+
+@EVERY_ID
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_a_vector_collects_pictures_as_gymnasiums_own_over_single_ones(view, mode):
     keywords = {"horizon": 3, "task": NEVER, "render_mode": "rgb_array_list"}

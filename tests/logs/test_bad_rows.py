@@ -130,6 +130,15 @@ def test_a_wrong_header_is_explained(header, layout, says, tmp_path):
         read(path, layout)
 
 
+@pytest.mark.parametrize(("others", "ending"), [(0, ""), (27, ""), (28, " …")])
+def test_up_to_thirty_columns_are_listed_and_that_there_are_more_is_said(others, ending, tmp_path):
+    names = ["f1x", "f1y", "t1z", *(f"c{k}" for k in range(others))]
+    path = tmp_path / "a.csv"
+    path.write_text(",".join(names) + "\n")
+    said = complaint(path, Layout(grips=(0.0, 0.0), frame="world"))
+    assert f"has: {', '.join(names[:30])}{ending};" in said
+
+
 def test_a_quaternion_must_be_of_unit_length(tmp_path):
     columns = cases.spatial()
     columns["qw"][3] += 3.0

@@ -1,12 +1,14 @@
 """Files are opened by the suffix of their name, and every format has a reader and a writer."""
 
+import tracemalloc
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from coopenv.errors import InvalidInput
-from coopenv.logs import formats
+from coopenv.logs import Layout, formats, read
 from tests.logs import cases
 
 
@@ -69,6 +71,31 @@ def test_a_table_that_is_abandoned_can_be_deleted(suffix, tmp_path):
         sink.abandon()
         path.unlink(missing_ok=True)
         assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", cases.FORMATS)
+def test_the_memory_of_a_table_does_not_grow_with_the_rows_that_are_written(suffix, tmp_path):
+    peaks = []
+    for pieces in (8, 24):
+        tracemalloc.start()
+        sink = formats.open_sink(tmp_path / f"a{pieces}{suffix}")
+        for _ in range(pieces):
+            sink.write({name: np.random.default_rng(0).random(20_000) for name in ("time", "f1x")})
+        sink.close()
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.3 * peaks[0]
+
+
+@pytest.mark.parametrize("version", [(1, 0), (2, 0)])  # NumPy takes the latter where much is said
+def test_arrays_of_either_version_are_read(version, tmp_path):
+    path, columns = tmp_path / "a.npz", cases.planar(3)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, values in columns.items():
+            with archive.open(f"{name}.npy", "w") as file:
+                np.lib.format.write_array(file, np.asarray(values), version)
+    found = read(path, Layout(grips=cases.BEAM))
+    np.testing.assert_array_equal(found.applied[:, 1, 2], columns["t2z"])
 
 
 def test_an_unknown_suffix_is_answered_with_those_that_are_known(tmp_path):

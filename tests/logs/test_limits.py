@@ -258,11 +258,15 @@ def test_arrays_of_foreign_types_are_read_or_left_out(tmp_path):
 
 
 def test_codes_that_are_no_characters_are_refused(tmp_path):
-    for code in (0x110000, 0xD800):
-        text = np.full(3, code, np.uint32).view("U1")
-        path = tmp_path / "a.npz"
-        np.savez(path, **cases.planar(3), note=text)
-        assert "array 'note' must hold text, got codes that are no characters" in refused(path)
+    path = tmp_path / "a.npz"
+    for code in (0x110000, 0xD800, 0xDFFF):
+        for count in (1, 3):  # of the texts
+            text = np.array([ord("a")] * (3 - count) + [code] * count, np.uint32).view("U1")
+            np.savez(path, **cases.planar(3), note=text)
+            assert "array 'note' must hold text, got codes that are no characters" in refused(path)
+    most = np.array([0xD7FF, 0xE000, 0x10FFFF], np.uint32).view("U1")
+    np.savez(path, **cases.planar(3), note=most)
+    np.testing.assert_array_equal(read(path, Layout(**BEAM)).carried["note"], most)
 
 
 def test_columns_of_foreign_types_are_written_to_every_table(tmp_path):

@@ -105,6 +105,16 @@ def test_what_is_drawn_stays_within_the_bounds():
     assert (core.observation.high[body][:6] < [12.1, 3.1, 12.1, 12.1, 0.51, 2.21]).all()
 
 
+@pytest.mark.parametrize(("name", "most"), [("force_limit", 33.0), ("torque_limit", 9.0)])
+def test_where_limits_are_drawn_the_bounds_are_those_of_the_largest(name, most):
+    drawn, fixed = (
+        Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation
+        for keywords in ({"randomise": Ranges(**{name: (0.5, most)})}, {name: most})
+    )
+    np.testing.assert_allclose(drawn.high, fixed.high, rtol=1e-6)
+    np.testing.assert_allclose(drawn.low, fixed.low, rtol=1e-6)
+
+
 def test_a_reading_beyond_its_bound_is_clipped_and_that_is_told():
     noisy = Sensor("goal", noise=30.0)
     core = Transport(num_worlds=40, bounded=True, observe=(noisy, "twist"))

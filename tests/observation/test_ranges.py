@@ -155,6 +155,8 @@ def test_rays_are_spread_over_the_field_of_view(keywords, angles):
     read = ranges(**keywords).read
     wanted = np.stack([np.cos(angles), np.sin(angles)])
     np.testing.assert_allclose(read.rays, wanted, atol=1e-15)  # pyright: ignore
+    with pytest.raises(ValueError, match="read-only"):  # readings of all worlds share them
+        read.rays[0] = 0.0  # pyright: ignore
 
 
 def test_nothing_is_seen_beyond_the_reach():

@@ -9,7 +9,7 @@ import pytest
 from coopenv import Body, Box, DoorwayTask, Scene, Transport, TransportTask
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.tasks.passage import GAP, GAP_Y, HALF_DEPTH, WALL_X
+from coopenv.tasks.passage import GAP, GAP_Y, HALF_DEPTH, STANDOFF, WALL_X
 from tests.helpers import CLUTTERED, TRIO, corners
 
 HALL = Scene(size=(7.0, 4.0))
@@ -177,6 +177,30 @@ def test_obstacles_of_the_scene_stay_and_never_stand_before_the_gap():
     assert all(len(scene.obstacles) == 4 for scene in core.scenes)
     for scene, start, goal in zip(core.scenes, state.pose, state.goal, strict=True):
         assert all(scene.is_clear(outline) for outline in corners(np.array([start, goal]), Body()))
+
+
+@pytest.mark.parametrize("x", [-1.4, -0.9, 0.6, 1.4])  # [m] of a pillar
+@pytest.mark.parametrize("y", [-0.9, 0.4])
+@pytest.mark.parametrize(
+    ("body", "standoff"),
+    [(Body(), 0.1 + 1.0 + 0.05), (Body.beam(length=0.3), 0.1)],  # [m]; the latter turns in the gap
+    ids=["lengthwise", "at any angle"],
+)
+def test_only_obstacles_in_the_way_through_the_gap_move_it(body, standoff, x, y):
+    scene = replace(HALL, obstacles=(Box(center=(x, y), size=(0.3, 0.3)),))
+
+    def is_in_the_way(plan):
+        off = np.abs(np.subtract((x, y), (plan[WALL_X], plan[GAP_Y])))
+        return bool((off < (plan[STANDOFF] + 0.15, plan[GAP] / 2 + 0.15)).all())
+
+    for seed in range(60):
+        free, plan = (
+            DoorwayTask().sample(np.random.default_rng(seed), body, room).plan
+            for room in (HALL, scene)
+        )
+        assert plan[STANDOFF] == pytest.approx(standoff, abs=0.01)
+        assert (plan != free) == is_in_the_way(free)
+        assert not is_in_the_way(plan)
 
 
 def test_an_asymmetric_body_passes_at_the_angle_at_which_it_is_narrowest():

@@ -157,6 +157,18 @@ def test_in_the_gap_it_goes_on_along_the_axis_and_the_better_in_line_the_faster(
     assert twist[2] == pytest.approx(0.02)  # to the nearer of the two angles
 
 
+@pytest.mark.parametrize(("x", "goal"), [
+    (-0.35, (2.5, 0.0, 0.0)), (0.35, (-2.5, 0.0, 0.0)),  # before the gap, either way
+    (0.35, (0.35, 0.5, 0.0)), (-0.35, (-0.35, 0.5, 0.0)),  # out of it
+])  # fmt: skip
+def test_it_turns_the_slower_the_nearer_the_face_of_the_wall_is(x, goal):
+    twist, _ = doorway((x, 0.5, np.pi / 2), goal=goal, look_ahead=0.1, margin=0.2, spin=2.0)
+    ends = 1.0 * np.sin(0.1) + 0.05 * np.cos(0.1)  # [m] from its centre to its corner, turned
+    cramped = 0.1 + ends + 0.2 - 0.35  # [m]; it stands still at 0.3
+    assert abs(twist[2]) == pytest.approx(2.0 * (1 - cramped / 0.3))
+    assert twist[0] * x > 0  # and makes room
+
+
 def test_once_it_is_out_it_goes_to_the_goal():
     for place, out in ((1.07, True), (1.05, False)):  # a corner may be back by 0.04 of 0.1 m
         twist, _ = doorway((place, 0.5, 0.0), goal=(place, 0.5, 0.0))

@@ -188,6 +188,19 @@ def test_a_blueprint_builds_no_layer_beyond_the_weights_in_the_file(plain, tmp_p
                 SB3Policy.load(path)
 
 
+@pytest.mark.parametrize(
+    "layers", [None, [], [8], {"dict": {"pi": [8]}}, [8, {"dict": {"pi": [8]}}]]
+)
+def test_a_blueprint_chooses_from_no_more_than_the_weights_in_the_file(layers, plain, tmp_path):
+    blueprint = json.loads(member_of(plain, "coopenv_model.json"))
+    blueprint["spaces"]["action_space"] = {"pushes": 10**4}
+    blueprint["policy_kwargs"] = {"dict": {} if layers is None else {"net_arch": layers}}
+    text = json.dumps(blueprint).encode()
+    path = hostile.with_members(plain, tmp_path / "large.zip", {"coopenv_model.json": text})
+    with pytest.raises(InvalidInput, match="chooses from more than its weights can tell apart"):
+        SB3Policy.load(path)
+
+
 def test_an_archive_that_unpacks_to_very_much_is_refused_before_it_does(plain, tmp_path):
     path = tmp_path / "bomb.zip"
     path.write_bytes(plain.read_bytes())

@@ -261,6 +261,14 @@ def test_roles_switch_at_random_times():
     np.testing.assert_allclose(switched.mean(axis=1).std(), 0.0, atol=0.03)  # no common beat
 
 
+def test_the_same_seed_switches_roles_at_the_same_times_in_every_version():
+    partner = Switching(first=Leader(), second=Follower(), mean_time=1.0)
+    leads = episode(partner, worlds=4, steps=40, horizon=300)[1]["partner_has_plan"]
+    assert leads[0].tolist() == [True, True, True, False]
+    switched = [np.flatnonzero(np.diff(world))[:2] + 1 for world in leads.T]
+    assert [steps.tolist() for steps in switched] == [[9, 13], [18, 20], [2, 22], []]
+
+
 def test_who_switches_to_following_stops_pulling_to_its_plan():
     partner = Switching(first=Leader(), second=Follower(), mean_time=0.5)
     _, told, wrenches, _ = episode(partner, Idle(), worlds=100, steps=40)

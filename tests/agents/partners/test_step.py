@@ -134,6 +134,14 @@ def test_a_partner_is_held_to_the_limit_of_its_own_agent(agent):
     np.testing.assert_allclose(largest, wanted, rtol=1e-12)  # of the learner too, who gave 1
 
 
+def test_the_same_key_shakes_a_hand_alike_in_every_version():
+    given, _ = stepped(
+        traits.SHARES, pose=(0, 0, 0), twist=(0, 0, 0), before=(0, 0, 0), share=0.0,
+        force_noise=1.0, torque_noise=2.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(given, [[-0.61620451, -0.30034387, 2.17669195]], rtol=1e-7)
+
+
 def test_two_unsteady_hands_are_unsteady_each_by_itself():
     hand = Noisy(partner=Leader(strength=1e-9), force=1.0, torque=2.0)
     core = Transport(num_worlds=400, partner=hand, partner_agents=(0, 2), body=Body(

@@ -89,6 +89,41 @@ def test_a_body_that_leaves_its_plan_breaks_the_claims(run, by_method):
     assert [claim.holds for claim in found[:2]] == [False, False]
 
 
+@pytest.mark.parametrize("inertias", [(1.0, 1 / 3), (0.5,)])
+def test_two_figures_for_each_inertia_show_every_motion_and_where_sections_meet(
+    inertias, run, tmp_path, monkeypatch
+):
+    drawn = {}
+
+    def draw(trials, panels, path, *, title, marks):
+        drawn[path.name] = (trials, [label for label, _ in panels], title, marks)
+
+    monkeypatch.setattr(report, "draw_trials", draw)
+    few = replace(
+        run, inertias=inertias, **{
+            name: getattr(run, name)[: len(inertias)] for name in ("applied", "pose", "twist")
+        },
+    )  # fmt: skip
+    files = report.draw(few, decompose_by_methods(few.applied, few.grips), tmp_path)
+    assert [*drawn] == files
+    assert files == (
+        ["motion.png", "disagreement.png"] if len(inertias) == 1
+        else ["motion_J1.png", "disagreement_J1.png", "motion_J0p333.png", "disagreement_J0p333.png"]
+    )  # fmt: skip
+    for number, (trials, labels, title, marks) in enumerate(drawn.values()):
+        i = number // 2
+        assert f"J = {inertias[i]:.3g} kg·m²" in title
+        assert "schedules" in labels
+        assert marks == pytest.approx([run.time[-1] / 4, run.time[-1] / 2, 3 * run.time[-1] / 4])
+        assert [trial.title for trial in trials] == list(MOTIONS)
+        for j, trial in enumerate(trials):
+            np.testing.assert_array_equal(trial.applied, run.applied[i, j])
+            np.testing.assert_array_equal(trial.pose, run.pose[i, j])
+            np.testing.assert_array_equal(trial.twist, run.twist[i, j])
+            np.testing.assert_array_equal(trial.planned, run.planned[j])
+            assert set(trial.by_method) == set(COMPARED)
+
+
 def test_the_series_are_what_was_recorded(tmp_path, run, by_method):
     report.save_series(run, by_method, tmp_path)
     with (tmp_path / "series.csv").open() as file:

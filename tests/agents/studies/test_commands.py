@@ -9,6 +9,7 @@ pytest.importorskip("statsmodels")
 
 from coopenv import cli
 from tests.agents.studies.dyads.cases import make_trials, varied
+from tests.agents.studies.printed import files_named
 
 
 def run(*arguments) -> int:
@@ -35,6 +36,7 @@ def test_beam_prints_its_claims_and_leaves_its_files(tmp_path, capsys):
         "series.csv",
         "series.npz",
     }
+    assert files_named(printed, tmp_path) == names
     for name in ("motion.png", "disagreement.png"):
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     assert len((tmp_path / "claims.md").read_text().splitlines()) == 2 + 21
@@ -53,8 +55,9 @@ def test_dyads_analyses_files_whatever_says_who_was_first(tmp_path, capsys):
     ):
         out = tmp_path / file.split(".")[0]
         assert run("study", "dyads", tmp_path / file, *options, "--out", out) == 0
-    printed = capsys.readouterr().out
-    assert "beside the people" in printed
+        printed = capsys.readouterr().out
+        assert "beside the people" in printed
+        assert files_named(printed, out) == {path.name for path in out.iterdir()}
     told, untold = (
         (tmp_path / name / "internal_torque.csv").read_text() for name in ("told", "untold")
     )

@@ -35,6 +35,14 @@ def test_constants_are_tried_first_with_the_table_of_all_of_them(tmp_path):
     assert constant[0] == Selected(project.pinning, 10.0, recorded=False)
     inside = reach.tests(change_of(beam, "min(", "max("), beam)
     assert project.pinning not in [one.test for one in inside]
+    table = f"{project.pinning}::test_the_table"
+    outcomes = {table: "passed", f"{project.pinning}::test_of_more": "failed"}
+    seconds = dict.fromkeys(outcomes, 2.0)
+    recording = Recording()
+    recording.add(project.pinning, {"outcomes": outcomes, "seconds": seconds, "lines": {}})
+    known = Reach(project=project, recording=recording)
+    tests = known.tests(change_of(beam, "2.0", "4.0"), beam)
+    assert tests == [Selected(table, 2.0), constant[-1]]
 
 
 def test_a_line_that_no_test_ran_is_reached_by_none_though_its_function_is(tmp_path):

@@ -88,6 +88,15 @@ def test_a_batch_is_its_samples_one_by_one_at_any_scale():
     assert decompose(np.zeros((0, 3, 3)), grips).gap.shape == (0,)
 
 
+def test_where_the_bound_is_not_reached_either_the_answer_does_not_depend_on_the_batch():
+    grips = np.random.default_rng(1).normal(size=(5, 2))
+    applied = random_forces(4, 6, 5, 2)
+    whole = decompose(applied, grips)
+    assert whole.gap.max() > 1e-3
+    for one, internal in zip(applied, whole.internal, strict=True):
+        np.testing.assert_allclose(decompose(one, grips).internal, internal, atol=1e-8)
+
+
 def test_torque_is_refused():
     with pytest.raises(InvalidInput, match="without torque for method='max_internal'"):
         decompose(np.ones((3, 3)), np.eye(3, 2))

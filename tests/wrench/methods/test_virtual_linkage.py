@@ -23,6 +23,13 @@ def test_three_effectors_squeeze_along_three_lines():
     np.testing.assert_allclose(internal(together, grips), 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("apart", [1e-3, 1e-18])  # [m]
+def test_a_line_carries_force_however_short_it_is(apart):
+    grips = [[0.0, 0.0], [0.0, apart], [1.0, 0.0]]
+    applied = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0]]
+    np.testing.assert_allclose(internal(applied, grips), applied, atol=1e-12)
+
+
 def test_effectors_at_the_same_place_have_no_line_between_them():
     found = internal([[1.0, 2.0, 0.0], [-1.0, -2.0, 0.0]], [[0.5, 0.0], [0.5, 0.0]])
     np.testing.assert_array_equal(found, np.zeros((2, 3)))

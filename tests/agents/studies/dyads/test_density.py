@@ -114,6 +114,9 @@ def test_a_density_needs_spread_and_a_step_that_divides_one():
         LoadDensity.of([0.1, 0.2, 0.3], [0.2, 0.4, 0.6])
     with pytest.raises(InvalidInput, match="line or a point"):
         LoadDensity.of([0.1], [0.2])
+    on_line, hardly_there = [1.0, 1.0, 1.0], [1e-15]  # [s]
+    with pytest.raises(InvalidInput, match="line or a point"):
+        LoadDensity.of([0.1, 0.2, 0.3, 0.9], [0.2, 0.4, 0.6, 0.1], on_line + hardly_there)
     with pytest.raises(InvalidInput, match="divide 1"):
         LoadDensity.of(*uniform(5), step=0.3)
     with pytest.raises(InvalidInput, match="negative"):

@@ -20,6 +20,7 @@ from coopenv.agents.studies.dyads.trials import first_to_enter
 from coopenv.errors import InvalidInput
 from coopenv.physics.scene import Box
 from coopenv.transport import Transport
+from tests.agents.studies.printed import files_named
 
 BRIEF = DyadsConfig(pairs=3, trials=2, seconds=14.0, dt=0.04)
 
@@ -43,6 +44,15 @@ def test_every_trait_is_drawn_as_said_and_differs_between_people():
         else:
             assert values.std() == pytest.approx(span, rel=0.15)
             assert abs(values.mean()) < 0.15 * span
+
+
+def test_the_same_seed_draws_the_same_people_and_moves_their_hands_alike_in_every_version(run):
+    np.testing.assert_allclose(run.people.speed[0], (0.55531759, 0.7448267), rtol=1e-7)
+    np.testing.assert_allclose(run.people.habit[1], (0.17753335, -0.48585583), rtol=1e-7)
+    moved = run.trials[run.trials["f1x"] != 0].iloc[0]  # agent 1's first wrench, with its tremor
+    assert moved["time"] == pytest.approx(0.12)
+    wrench = moved[["f1x", "f1y", "t1z"]].to_numpy(float)
+    np.testing.assert_allclose(wrench, (-0.67167913, 6.35220434, 0.06632801), rtol=1e-6)
 
 
 def test_who_is_told_plans_with_the_goal_and_who_is_not_with_the_start():
@@ -119,6 +129,7 @@ def test_the_command_simulates_and_its_trials_can_be_analysed_again(tmp_path, ca
     printed = capsys.readouterr().out
     assert "simulated people beside the people" in printed
     assert "the trials of simulated people" in printed
+    assert files_named(printed, tmp_path) == {path.name for path in tmp_path.iterdir()}
     again = quadrant_shares(read_trials([tmp_path / "trials.parquet"]))
     found = pd.read_csv(tmp_path / "quadrants.csv")
     pd.testing.assert_frame_equal(again, found, check_dtype=False)

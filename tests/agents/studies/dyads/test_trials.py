@@ -64,6 +64,20 @@ def test_arrays_make_the_same_table_as_columns():
         )  # fmt: skip
 
 
+@pytest.mark.filterwarnings("error")
+def test_keys_may_be_categories_of_which_some_have_no_trial():
+    table = make_trials(pairs=2, trials=1)
+    expected = trials.checked_trials(table)
+    kinds = pd.CategoricalDtype(["none", "blindfold", "one", "both"])
+    given = table.assign(condition=table["condition"].astype(kinds))
+    found = trials.checked_trials(given)
+    assert sorted(found["condition"].unique()) == ["both", "none", "one"]
+    by_key = ["pair", "condition", "trial", "time"]
+    found = found.astype({"condition": expected["condition"].dtype}).sort_values(by_key)
+    pd.testing.assert_frame_equal(found.reset_index(drop=True), expected)
+    assert len(trials.durations(found)) == len(expected)
+
+
 def test_time_turn_and_duration_are_those_of_the_trial():
     table = trials.checked_trials(make_trials(pairs=1, trials=2, spin=-2.0))
     time = DT * np.arange(STEPS)

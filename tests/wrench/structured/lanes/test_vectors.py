@@ -1,7 +1,8 @@
 """Four numbers at once behave like four numbers, one after the other."""
 
 import numpy as np
-from numba import njit
+import pytest
+from numba import TypingError, njit
 
 from coopenv.wrench.structured.lanes.memory import after, four_at
 from coopenv.wrench.structured.lanes.vectors import (
@@ -84,3 +85,21 @@ def test_what_is_not_a_number_meets_no_condition():
     np.testing.assert_array_equal(memory[RESULTS + 5], 3.0)
     np.testing.assert_array_equal(memory[RESULTS + 6], 5.0)
     np.testing.assert_array_equal(memory[RESULTS + 10], 0.0)
+
+
+@njit
+def _mixed(address):
+    x = four_at(address)[X]
+    return some((x < 1.0) + x > 0.0)
+
+
+@njit
+def _ordered(a, b):
+    return a < b
+
+
+def test_operators_take_lanes_and_numbers_beside_lanes_and_nothing_else():
+    with pytest.raises(TypingError, match=r"add.*Mask, Lanes"):
+        _mixed(np.zeros((4, 4)).ctypes.data)
+    with pytest.raises(TypingError, match=r"lt.*complex128, complex128"):
+        _ordered(1j, 2j)
