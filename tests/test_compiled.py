@@ -234,6 +234,12 @@ def test_a_damaged_cache_heals_itself(damage, start, tmp_path):
         assert len(file.read_bytes()) == pytest.approx(len(whole), rel=0.1), file
 
 
+def test_a_file_that_was_copied_without_a_change_is_not_compiled_again(start, tmp_path):
+    start()
+    os.utime(tmp_path / "fragile.py", (1e9, 1e9))
+    assert start() == (1, 0)
+
+
 @pytest.mark.filterwarnings("ignore:the cache of compiled kernels")
 def test_a_cache_of_which_a_file_cannot_be_read_does_not_stop_the_import(start, tmp_path):
     start()

@@ -4,15 +4,20 @@ Numba takes what a file of its cache holds. One that was cut short, by a full di
 went down, raises at every later start; one with a wrong bit runs. Here each file ends in a digest.
 A file that does not fit its digest, or cannot be read, counts as not there: the kernel is compiled
 again. A file that cannot be written is warned of once, and kernels are compiled in memory.
+
+Numba uses the first folder that it can write. What is missing there is looked for in its other
+folders, which may be those of an image that was filled while it was built and is read-only since.
 """
 
+import os
 import pickle
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 from numba.core import dispatcher
 from numba.core.caching import (
@@ -39,10 +44,33 @@ class _Locator:
         others = (kind for kind in CompileResultCacheImpl._locator_classes if kind is not cls)
         found = (kind.from_function(py_func, py_file) for kind in others)
         locator = next((one for one in found if one is not None), None)
-        if locator is not None:
-            own = stamp(py_func, locator.get_source_stamp())
-            locator.get_source_stamp = lambda: own
-        return locator
+        return _stamped(locator, py_func)
+
+
+def _stamped(locator: Any, py_func: Any) -> Any:
+    if locator is not None:
+        told = locator.get_source_stamp()
+        if isinstance(told, tuple) and os.path.isfile(locator._py_file):
+            told = told[1:]  # older numba's time of the file, which changes as an image is packed
+        own = stamp(py_func, told)
+        locator.get_source_stamp = lambda: own
+    return locator
+
+
+def _read_only(place: Any) -> Any:
+    """A kind of numba's locators, for a folder that is there and cannot be written."""
+
+    class Place(place):
+        def ensure_cache_path(self) -> None:
+            path = self.get_cache_path()
+            if not os.path.isdir(path) or os.access(path, os.W_OK):
+                raise OSError(f"{path} is not a folder that can be read alone")
+
+        @classmethod
+        def from_function(cls, py_func: Any, py_file: str) -> Any:
+            return _stamped(super().from_function(py_func, py_file), py_func)
+
+    return Place
 
 
 class _Files(IndexDataCacheFile):
@@ -85,16 +113,22 @@ def _checked(kind: Any) -> Any:
     """A kind of numba's caches that neither trusts nor needs what is on disk."""
 
     class Checked(kind):
+        elsewhere: Sequence[Any] = ()  # caches to read from after this one
+
         def __init__(self, py_func: Any):
             super().__init__(py_func)
             base, own = self._impl.filename_base, self._impl.locator.get_source_stamp()
             self._cache_file = _Files(self._cache_path, base, own)
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
-            try:
-                return super().load_overload(sig, target_context)
-            except Exception:  # of another version of a library, or a file that cannot be read
-                return None
+            for load in (super().load_overload, *(one.load_overload for one in self.elsewhere)):
+                try:
+                    found = load(sig, target_context)
+                except Exception:  # of another version of a library, or a file that cannot be read
+                    continue
+                if found is not None:
+                    return found
+            return None
 
         def save_overload(self, sig: Any, data: Any) -> None:
             with _forgiving():
@@ -108,6 +142,30 @@ def _checked(kind: Any) -> Any:
 
 
 _KernelCache, _LoopCache = _checked(FunctionCache), _checked(wrappers.GufWrapperCache)
+_PLACES = tuple(map(_read_only, CompileResultCacheImpl._locator_classes))
+
+
+def _of_places(ours: Any) -> list[Any]:
+    """A kind of cache for each kind of folder that cannot be written."""
+    kinds = []
+    for place in _PLACES:
+        impl = type("ReadOnlyImpl", (ours._impl_class,), {"_locator_classes": [place]})
+        kinds.append(type("ReadOnly", (ours,), {"_impl_class": impl}))
+    return kinds
+
+
+_READ_ONLY = {ours: _of_places(ours) for ours in (_KernelCache, _LoopCache)}
+
+
+def _elsewhere(ours: Any, py_func: Any) -> Iterator[Any]:
+    """Caches that cannot be written and hold the function compiled as it now stands."""
+    for kind in () if py_func in _FORGOTTEN else _READ_ONLY[ours]:
+        try:
+            cache = kind(py_func)
+        except RuntimeError:  # there is no such folder
+            continue
+        if cache._cache_file._load_index():
+            yield cache
 
 
 def _cache_of(ours: Any, others: Any) -> Callable[[Any], Any]:
@@ -116,17 +174,32 @@ def _cache_of(ours: Any, others: Any) -> Callable[[Any], Any]:
     def make(py_func: Any) -> Any:
         if py_func not in KERNELS:
             return others(py_func)
+        elsewhere = list(_elsewhere(ours, py_func))
         try:
-            return ours(py_func)
+            cache = ours(py_func)
         except RuntimeError as error:  # numba found no folder that can be written
-            _warn(error)
-            return NullCache()
+            if not elsewhere:
+                return _Nowhere(error)
+            cache, *elsewhere = elsewhere
+        cache.elsewhere = elsewhere
+        return cache
 
     return make
 
 
+class _Nowhere(NullCache):
+    """A cache that keeps nothing, and says so once there is something to keep."""
+
+    def __init__(self, error: Exception):
+        self._error = error
+
+    def save_overload(self, sig: Any, cres: Any) -> None:
+        _warn(self._error)
+
+
 def forget_loop(function: Any) -> None:
     """Have what NumPy calls of a gufunc compiled again."""
+    _FORGOTTEN.add(function)
     wrappers.GufWrapperCache(py_func=function).flush()
 
 
@@ -149,6 +222,7 @@ def _warn(error: Exception) -> None:
 
 
 _warned: list[Exception] = []
+_FORGOTTEN: WeakSet[Any] = WeakSet()  # functions whose read-only code is of no use
 CompileResultCacheImpl._locator_classes.insert(0, _Locator)
 
 _replaced: dict[str, Any] = {

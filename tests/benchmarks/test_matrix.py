@@ -5,6 +5,8 @@ import re
 
 import pytest
 
+pytest.importorskip("tyro")
+
 from benchmarks.matrix import CORNERS, PINS, ROOT, SHOWN, VIEWS, WRENCH, interpreter, pins, row
 from coopenv.files import toml
 from tests.helpers import CASE_NAMES

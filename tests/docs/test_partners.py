@@ -4,6 +4,8 @@ import re
 
 import pytest
 
+pytest.importorskip("rich")
+
 from benchmarks import partners
 from benchmarks.partners import KINDS, NOT_MEANT, PLACES, REASONS, Cell, measure, tables
 from coopenv.agents.partners import PARTNERS, default_partner

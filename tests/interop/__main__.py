@@ -32,10 +32,9 @@ COLUMNS = ("library", "version", "Python", "ids", "what is asserted", "command")
 FOLDER = os.environ.get("COOPENV_INTEROP", str(ROOT / ".interop"))
 INSTALLING, RUNNING = 3600, 3600  # most seconds that may take
 ABSENT = {  # library → why no row of it can be run here
-    "AgileRL": "not tried: 2.58.0 asks for PettingZoo below 1.27, and pip was still choosing "
-    "versions after 9 minutes",
-    "PufferLib": "3.0.0 has no wheel, and its build downloads a library from outside PyPI; 2.0.2, "
-    "the last with a wheel, asks for gymnasium<=0.29.1 and numpy==1.23.3, below what ours takes",
+    "PufferLib": "3.0.0 and 2.0.6 have no wheel, and their build downloads a library from outside "
+    "PyPI; 2.0.2, the last with a wheel, asks for numpy==1.23.3, gymnasium<=0.29.1 and "
+    "pettingzoo<=1.24.1, below what ours takes",
 }
 
 

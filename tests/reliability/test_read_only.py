@@ -11,7 +11,18 @@ import pytest
 from tests.modules import TWO_KERNELS
 
 ROOT = Path(__file__).parents[2]
+KERNELS = TWO_KERNELS + """
+@compiled
+def unused(x):
+    return x
+"""
 CALL = "import kernels; print(kernels.twice(3.0), kernels.total([1.0, 2.0]))"
+COUNT = """
+from numba.core import event
+with event.install_recorder("numba:compile") as compiling:
+    import kernels
+    print(kernels.twice(3.0), kernels.total([1.0, 2.0]), len(compiling.buffer))
+"""
 USE = """
 import numpy as np
 import coopenv
@@ -66,6 +77,17 @@ def run_read_only(
             path.chmod(0o755)
 
 
+def fill(folder: Path, **variables: str) -> None:
+    """Compile the kernels of a folder while it can be written."""
+    subprocess.run(
+        [sys.executable, "-c", CALL],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **variables},
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+
+
 def test_kernels_of_a_read_only_folder_are_compiled_in_memory_and_it_is_said_once(tmp_path):
     folder = tmp_path / "site"
     folder.mkdir()
@@ -84,6 +106,38 @@ def test_kernels_of_a_read_only_folder_are_kept_where_the_variable_says(tmp_path
     done = run_read_only(CALL, folder, NUMBA_CACHE_DIR=str(cache))
     assert (done.stdout, done.stderr, done.returncode) == ("6.0 3.0\n", "", 0)
     assert list(cache.rglob("kernels.twice*.nbi"))
+
+
+@pytest.mark.parametrize("variable", ["NUMBA_CACHE_DIR", None])
+def test_kernels_that_were_kept_before_a_folder_became_read_only_are_not_compiled_again(
+    tmp_path, variable
+):
+    folder = tmp_path / "site"
+    kept = folder / ("cache" if variable else "__pycache__")
+    folder.mkdir()
+    (folder / "kernels.py").write_text(KERNELS)
+    where = {variable: str(kept)} if variable else {}
+    fill(folder, **where)
+    assert len(list(kept.rglob("*kernels.t*.nbi"))) == 3  # function, gufunc and its loop
+    again = run_read_only(COUNT, folder, **where)
+    assert (again.stdout, again.stderr) == ("6.0 3.0 0\n", "")
+
+
+def test_what_a_read_only_cache_lacks_is_compiled_once_and_kept_in_the_home(tmp_path):
+    folder, home = tmp_path / "site", tmp_path / "home"
+    for path in (folder, home):
+        path.mkdir()
+    (folder / "kernels.py").write_text(KERNELS)
+    fill(folder)
+    of_integers = COUNT.replace("twice(3.0)", "twice(3)")
+    told = [run_read_only(of_integers, folder, HOME=str(home)) for _ in range(2)]
+    assert [one.stderr for one in told] == ["", ""]
+    first, second = (one.stdout.split() for one in told)
+    assert first[:2] == ["6.0", "3.0"]
+    assert int(first[2]) > 0
+    assert second == ["6.0", "3.0", "0"]
+    assert list(home.rglob("kernels.twice*.nbi"))
+    assert not list(home.rglob("*kernels.total*.nbi"))
 
 
 @pytest.mark.slow  # compiles for half a minute

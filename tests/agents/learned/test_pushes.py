@@ -6,6 +6,9 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+
+pytest.importorskip("stable_baselines3")
+
 import stable_baselines3
 import torch
 

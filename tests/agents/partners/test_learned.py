@@ -162,6 +162,26 @@ def test_every_view_has_it(files):
     np.testing.assert_allclose(given, [given[0]] * len(given), atol=1e-6)
 
 
+def test_the_torchrl_view_has_it(files):
+    pytest.importorskip("torchrl")
+    from coopenv.agents import torchrl
+
+    keywords: dict[str, Any] = {"num_worlds": 2, "partner": files["shared"], "horizon": 3}
+    env, core = torchrl.make_env(ID, seed=2, **keywords), Transport(**keywords)
+    assert env.group_map == {"agents": ["agent_0"]}
+    core.reset(seed=2)
+    data = env.reset()
+    for _ in range(2):
+        data["agents", "action"] = env.full_action_spec.zero()["agents", "action"]
+        data = env.step(data)["next"]
+        core.step(np.zeros((2, 1, 3)))
+        assert env.transport.transition is not None
+        assert core.transition is not None
+        applied = env.transport.transition.applied
+        np.testing.assert_array_equal(applied, core.transition.applied)
+        assert np.abs(applied[:, 1]).min() > 0
+
+
 def test_a_core_and_an_environment_with_it_can_be_pickled(files):
     env: Any = gymnasium.make(ID, partner=files["shared"])
     twin = pickle.loads(pickle.dumps(env))

@@ -3,11 +3,13 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
+pytest.importorskip("pandas")
+
+import pandas as pd
 
 from coopenv.agents.studies.dyads import report
 from coopenv.agents.studies.dyads.analysis import (

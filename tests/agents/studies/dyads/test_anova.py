@@ -3,10 +3,12 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 pytest.importorskip("statsmodels")
+pytest.importorskip("pandas")
+
+import pandas as pd
 
 from coopenv.agents.studies.dyads.anova import complete_subjects, repeated_measures
 from coopenv.errors import InvalidInput

@@ -3,12 +3,14 @@
 from dataclasses import fields
 
 import numpy as np
-import pandas as pd
 import pytest
 
 pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
 pytest.importorskip("pyarrow")
+pytest.importorskip("pandas")
+
+import pandas as pd
 
 from coopenv import cli
 from coopenv.agents.studies.dyads.analysis import GUIDES, quadrant_shares

@@ -3,10 +3,12 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 pytest.importorskip("matplotlib")
+pytest.importorskip("pandas")
+
+import pandas as pd
 
 from coopenv.agents.studies.dyads import report
 from coopenv.agents.studies.dyads.analysis import DyadAnalysis

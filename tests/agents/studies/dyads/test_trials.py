@@ -1,10 +1,12 @@
 """Tables of trials: their checks, and what is computed within each trial."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 pytest.importorskip("pyarrow")
+pytest.importorskip("pandas")
+
+import pandas as pd
 
 from coopenv.agents.studies.dyads import reading, trials
 from coopenv.errors import InvalidInput
