@@ -259,10 +259,8 @@ def test_a_description_names_code_of_ones_own_without_its_hash(tmp_path, monkeyp
     assert said == "reward.mine described_rewards:Mine(weight=3.0)"
 
 
-<<<<<<< HEAD
-=======
 def test_only_an_environment_with_code_of_ones_own_is_said_to_have_some(tmp_path, monkeypatch):
-    (tmp_path / "own_rewards.py").write_text(OWN)
+    (tmp_path / "own_rewards.py").write_text(OWN_REWARD)
     monkeypatch.syspath_prepend(str(tmp_path))
     import own_rewards  # type: ignore[import-not-found]
 
@@ -272,20 +270,6 @@ def test_only_an_environment_with_code_of_ones_own_is_said_to_have_some(tmp_path
     assert not Provenance.of_environment(SHORT, "each").has_own_code
 
 
-OWN = """
-from dataclasses import dataclass
-import numpy as np
-
-@dataclass(frozen=True)
-class Mine:
-    weight: float = 1.0
-
-    def __call__(self, transition):
-        return self.weight * np.ones(transition.applied.shape[:2])
-"""
-
-
->>>>>>> c4c78eb1097eaadc4d4dbab4c93a890b1713e168
 def test_a_choice_over_a_configuration_changes_only_what_it_names():
     changed = EnvironmentChoice(env="coopenv/BeamDoorway-v0", horizon=9).over(SHORT)
     assert changed == replace(SHORT, horizon=9)

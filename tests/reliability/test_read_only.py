@@ -11,11 +11,14 @@ import pytest
 from tests.modules import TWO_KERNELS
 
 ROOT = Path(__file__).parents[2]
-KERNELS = TWO_KERNELS + """
+KERNELS = (
+    TWO_KERNELS
+    + """
 @compiled
 def unused(x):
     return x
 """
+)
 CALL = "import kernels; print(kernels.twice(3.0), kernels.total([1.0, 2.0]))"
 COUNT = """
 from numba.core import event
