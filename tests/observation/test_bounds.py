@@ -1,6 +1,7 @@
 """Finite bounds of observations: where they come from, that they hold, and what is clipped."""
 
 import warnings
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -107,9 +108,10 @@ def test_what_is_drawn_stays_within_the_bounds():
 
 @pytest.mark.parametrize(("name", "most"), [("force_limit", 33.0), ("torque_limit", 9.0)])
 def test_where_limits_are_drawn_the_bounds_are_those_of_the_largest(name, most):
+    span: dict[str, Any] = {name: (0.5, most)}
+    given: tuple[dict[str, Any], ...] = ({"randomise": Ranges(**span)}, {name: most})
     drawn, fixed = (
-        Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation
-        for keywords in ({"randomise": Ranges(**{name: (0.5, most)})}, {name: most})
+        Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation for keywords in given
     )
     np.testing.assert_allclose(drawn.high, fixed.high, rtol=1e-6)
     np.testing.assert_allclose(drawn.low, fixed.low, rtol=1e-6)
