@@ -1,6 +1,7 @@
 """Finite bounds of observations: where they come from, that they hold, and what is clipped."""
 
 import warnings
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -107,12 +108,34 @@ def test_what_is_drawn_stays_within_the_bounds():
 
 @pytest.mark.parametrize(("name", "most"), [("force_limit", 33.0), ("torque_limit", 9.0)])
 def test_where_limits_are_drawn_the_bounds_are_those_of_the_largest(name, most):
+    span: dict[str, Any] = {name: (0.5, most)}
+    given: tuple[dict[str, Any], ...] = ({"randomise": Ranges(**span)}, {name: most})
     drawn, fixed = (
-        Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation
-        for keywords in ({"randomise": Ranges(**{name: (0.5, most)})}, {name: most})
+        Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation for keywords in given
     )
     np.testing.assert_allclose(drawn.high, fixed.high, rtol=1e-6)
     np.testing.assert_allclose(drawn.low, fixed.low, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        ({"mass": 1.0}, {"mass": 30.0}),
+        ({"inertia": 0.1}, {"inertia": 10.0}),
+        ({"linear_drag": 1.0}, {"linear_drag": 30.0}),
+        ({"angular_drag": 1.0}, {"angular_drag": 30.0}),
+        ({"mass": 1.0, "inertia": 10.0}, {"mass": 10.0, "inertia": 0.1}),
+    ],
+    ids=["mass", "inertia", "linear drag", "angular drag", "light and heavy"],
+)
+def test_bounds_of_several_bodies_hold_for_each_of_them(pair):
+    bodies = tuple(Body(**fields) for fields in pair)
+    several, *each = (
+        Transport(num_worlds=2, bounded=True, body=body, observe=("twist", "body")).observation.high
+        for body in (bodies, *bodies)
+    )
+    assert (several >= np.max(each, axis=0) * (1 - 1e-6)).all()
+    assert (several <= np.max(each, axis=0) * 35).all()
 
 
 def test_a_reading_beyond_its_bound_is_clipped_and_that_is_told():

@@ -201,6 +201,22 @@ def test_a_blueprint_chooses_from_no_more_than_the_weights_in_the_file(layers, p
         SB3Policy.load(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("target_kl", "much"), ("target_kl", [1]), ("n_steps", "many"), ("n_steps", True),
+        ("use_sde", 1), ("use_sde", None), ("rollout_buffer_kwargs", "none"),
+    ],
+)  # fmt: skip
+def test_settings_of_another_kind_than_the_algorithms_are_refused(name, value, plain, tmp_path):
+    blueprint = json.loads(member_of(plain, "coopenv_model.json"))
+    blueprint["settings"][name] = value
+    text = json.dumps(blueprint).encode()
+    path = hostile.with_members(plain, tmp_path / "odd.zip", {"coopenv_model.json": text})
+    with pytest.raises(InvalidInput, match=f"{name} is "):
+        SB3Policy.load(path)
+
+
 def test_an_archive_that_unpacks_to_very_much_is_refused_before_it_does(plain, tmp_path):
     path = tmp_path / "bomb.zip"
     path.write_bytes(plain.read_bytes())

@@ -106,8 +106,8 @@ def test_two_figures_for_each_inertia_show_every_motion_and_where_sections_meet(
     )  # fmt: skip
     files = report.draw(few, decompose_by_methods(few.applied, few.grips), tmp_path)
     assert [*drawn] == files
-    suffixes = ("_J1", "_J0p333") if len(inertias) > 1 else ("",)
-    assert files == [f"{name}{end}.png" for end in suffixes for name in ("motion", "disagreement")]
+    endings = [""] if len(inertias) == 1 else ["_J1", "_J0p333"]
+    assert files == [f"{kind}{end}.png" for end in endings for kind in ("motion", "disagreement")]
     for number, (trials, labels, title, marks) in enumerate(drawn.values()):
         i = number // 2
         assert f"J = {inertias[i]:.3g} kg·m²" in title
