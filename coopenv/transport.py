@@ -13,6 +13,7 @@ from coopenv.config import ACTIONS, TransportConfig
 from coopenv.driven import driven_agents, read_action
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.geometry import frames
+from coopenv.handling import handling_of
 from coopenv.info import CLIPPED, Info, copied, cost_info, start_info, step_info, with_worlds
 from coopenv.observation import Observation
 from coopenv.physics.body import Body
@@ -40,7 +41,6 @@ from coopenv.snapshot import (
 )
 from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
-from coopenv.wrench.grasp import sum_at_centre
 
 MOST_WORLDS = 10**6  # more take hours to make, and more memory than there is
 
@@ -126,6 +126,7 @@ class Transport:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
+        self.handling = handling_of(self.config, self.num_worlds)
         self.driven = driven_agents(self.config, self.num_worlds)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
@@ -193,6 +194,7 @@ class Transport:
         parts = {
             "conditions": self.conditions.get_state(chosen),
             "world": self.world.get_state(chosen),
+            "handling": self.handling.get_state(chosen),
             "episodes": self._episodes.get_state(chosen),
             "transition": self.transition.get_state(chosen),
             "partner": self.driven.get_state(chosen),
@@ -246,6 +248,7 @@ class Transport:
         before, self.transition = self.transition, None  # until this is done, no step may follow
         self.conditions = self.conditions.with_state(parts["conditions"], chosen)
         self.world.set_state(parts["world"], chosen, bodies, scenes, anew=before is None)
+        self.handling.set_state(parts["handling"], chosen)
         self._episodes.set_state(parts["episodes"], chosen)
         self.driven.set_state(parts["partner"], chosen)
         self.observation.set_state(parts["observation"], chosen)
@@ -381,18 +384,16 @@ class Transport:
         if restart is not None:
             restart = booleans(restart, "restart", self.num_worlds)
         before = self._running(restart)
-        clipped, applied = self._applied(action, before, restart)
+        joint = self._joint(action, before, restart)
         self.transition = None  # from the middle of a step no episode goes on
-        self.world.step(sum_at_centre(applied, self.team.grips))
+        given = self.handling.move(self.world, joint, self.team)
         next_state = self._state(before.next_state.goal, self._episodes.tick())
         success, truncated = self._episodes.judge(self.conditions, next_state)
         self.transition = transition = Transition(
             state=before.next_state,
             next_state=next_state,
             conditions=self.conditions,
-            action=clipped,
             previous_action=before.action,
-            applied=applied,
             contact_impulse=self.world.contact_impulse,
             contact_shift=self.world.contact_shift,
             success=success,
@@ -400,6 +401,7 @@ class Transport:
             truncated=truncated,
             dt=self.dt,
             horizon=self.horizon,
+            **given._asdict(),
         )
         driven = self.driven
         reward, parts = self.reward(transition)
@@ -430,16 +432,15 @@ class Transport:
         self._episodes.check_running(restart)
         return self.transition
 
-    def _applied(
+    def _joint(
         self, action: npt.ArrayLike, before: Transition, restart: BoolArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Clipped actions of all agents, and the wrenches in the object frame they stand for."""
+    ) -> FloatArray:
+        """Actions of all agents ``(world, agent, a)``, finite."""
         if self.table is None:
             given = read_action(action, self.action_shape, restart)
         else:
             given = pushed(action, self.action_shape, self.table, restart)
-        joint = self.driven.joint(given, before, restart)
-        return frames.wrenches_from_actions(joint, self.team.frame, self.team.limits)
+        return self.driven.joint(given, before, restart)
 
     def _state(self, goal: FloatArray, time: FloatArray) -> State:
         task, plan = self._task, self.conditions.plan
@@ -459,6 +460,7 @@ class Transport:
         if self._draws.changing:
             self.world.furnish(worlds, conditions.bodies, conditions.scenes)
         self.world.place(worlds, pose)
+        self.handling.begin(worlds, pose, conditions.team)
         self._episodes.begin(worlds)
         pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
         state = State(
