@@ -81,6 +81,7 @@ class CompliantHands(HeldWrenches):
             np.log(factors).mean(axis=1),
             np.ptp(np.log(factors), axis=1) / 2,
         )
+        self._half_step = config.dt / 2  # [s]
         shape = num_worlds, config.num_agents
         self._reference = np.zeros((*shape, 3))  # world frame, its angle going on as the body's
         self._stiffness = np.zeros((*shape, 2))  # of the last step [N/m, N·m/rad]
@@ -95,7 +96,7 @@ class CompliantHands(HeldWrenches):
         """See `HeldWrenches.move`."""
         clipped, velocity, spring, held = _read(
             action, team.frame, team.limits, team.hands, self._has_hand, self._middle, self._spread,
-            world.pose,
+            world.pose[:, 2] + world.twist[:, 2] * self._half_step,
         )  # fmt: skip
         _stiffen(spring, self._stiffness, self._reference, world.pose, team.grips)
         shape = clipped.shape[:2]
@@ -129,7 +130,7 @@ def handling_of(config: TransportConfig, num_worlds: int) -> HeldWrenches:
 
 
 @compiled
-def _read(action, frame, limits, hands, has_hand, middle, spread, pose):
+def _read(action, frame, limits, hands, has_hand, middle, spread, angle):
     """Clipped actions, and what they stand for: velocities, springs and held wrenches.
 
     Parameters
@@ -143,8 +144,9 @@ def _read(action, frame, limits, hands, has_hand, middle, spread, pose):
     middle, spread
         ``(2,)``: logarithms of the factors of stiffness and of damping that an action of 0 stands
         for, and by how much 1 raises them.
-    pose
-        ``(world, 3)`` at the beginning of the step.
+    angle
+        ``(world,)`` of the bodies in the middle of the step, if they turn on as they do [rad]: a hand
+        that goes round with its body then keeps to the circle.
 
     Returns
     -------
@@ -155,7 +157,7 @@ def _read(action, frame, limits, hands, has_hand, middle, spread, pose):
     velocity, held = np.zeros((num_worlds, num_agents, 3)), np.zeros((num_worlds, num_agents, 3))
     spring = np.zeros((num_worlds, num_agents, 4))
     for k in range(num_worlds):
-        c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
+        c, s = np.cos(angle[k]), np.sin(angle[k])
         for i in range(num_agents):
             for j in range(width):
                 clipped[k, i, j] = min(max(action[k, i, j], -1.0), 1.0)

@@ -52,7 +52,7 @@ def test_a_common_plan_loads_the_beam_less_the_slower_it_is():
         loads.append(float(info["internal_force_level"][0]))
         assert abs(core.world.twist[0, 2]) > 0.5 * speed / 0.9
     assert loads[1] < 0.3 * loads[0]
-    assert loads[0] < 0.05
+    assert loads[0] < 0.01
     core = started(hands=Hands(speed=0.1))
     info = after(core, np.array([[(0.6, 0.8, 0.0), (-0.6, -0.8, 0.0)]]), 60)
     assert float(info["internal_force_level"][0]) < 1e-9
@@ -61,7 +61,7 @@ def test_a_common_plan_loads_the_beam_less_the_slower_it_is():
 
 def test_a_hand_moves_as_fast_as_its_own_speed_says():
     hands = Hands(speed=(0.2, 0.4), turn_rate=(0.3, 0.6), stiffness=1e-6, damping=1e-6)
-    core = started(hands=hands, body=Body(linear_drag=1e9, angular_drag=1e9))
+    core = started(hands=hands, body=Body(linear_drag=1e9, angular_drag=1e9), torque_limit=100.0)
     info = after(core, np.array([[(-1.0, 0.5, 1.0), (-1.0, 0.5, 1.0)]]), 10)
     assert info["stored_energy"].shape == (1, 2)
     assert core.transition is not None
@@ -77,7 +77,8 @@ def test_a_hand_that_pushed_a_wall_long_turns_back_at_once():
     right = np.array([[(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)]])
     info = after(core, right, 150)
     assert info["contact_impulse"][0] > 0.0
-    np.testing.assert_allclose(core.transition.applied[0, :, 0], 10.0, rtol=1e-9)  # type: ignore[union-attr]
+    assert core.transition is not None
+    np.testing.assert_allclose(core.transition.applied[0, :, 0], 10.0, rtol=1e-6)
     after(core, -right, 2)
     assert core.world.twist[0, 0] < 0.0
 
