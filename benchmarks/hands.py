@@ -127,7 +127,7 @@ def _length(metres: float) -> str:
 
 
 def wrench_table() -> str:
-    """How far the twist after a step is from what a wrench, held in the object frame, makes of it."""
+    """How far the twist after a step is from what a held wrench makes of it, mean or sample."""
     lines = []
     for substeps in (2, 10):
         held = Held(Body(), substeps)

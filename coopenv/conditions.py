@@ -25,7 +25,7 @@ class Team:
     hands: FloatArray  # (world, agent, 6): `coopenv.Hands.table`; (world, agent, 0) without hands
     settings: Settings  # of the environment's own decomposition
     alike: bool  # whether every world has the same grips
-    _decomposers: dict[Settings, Decomposer] = field(default_factory=dict, repr=False)
+    _decomposers: dict[Settings | None, Decomposer] = field(default_factory=dict, repr=False)
 
     @classmethod
     def build(cls, grips: FloatArray, strengths: FloatArray, settings: Settings) -> "Team":
@@ -57,11 +57,15 @@ class Team:
         """Number of effectors in a world."""
         return self.grips.shape[1]
 
-    def decomposer(self, settings: Settings) -> Decomposer:
-        """The decomposition under ``settings``, checked on first use."""
+    def decomposer(self, settings: Settings | None = None) -> Decomposer:
+        """The decomposition under ``settings``, checked on first use.
+
+        ``None`` are the environment's own, which need no hashing.
+        """
         found = self._decomposers.get(settings)
         if found is None:
-            found = Decomposer(self.grips[0] if self.alike else self.grips, settings)
+            grips = self.grips[0] if self.alike else self.grips
+            found = Decomposer(grips, self.settings if settings is None else settings)
             self._decomposers[settings] = found
         return found
 

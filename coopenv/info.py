@@ -4,13 +4,13 @@ The keys, shapes and dtypes of a reset are those of every step, and every value 
 array of numbers, so that any library can stack them. Nothing in them is NaN.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray, with_rows
-from coopenv.compiled import gufunc
 from coopenv.pytrees import register_dictionary
 from coopenv.transition import Transition
 
@@ -22,6 +22,7 @@ GROUPS = {  # what indexing gives as a dictionary of its own
     "cost_terms": f"{COST}/",
 }
 POSES = ("partner_plan",)  # three numbers a world, not one an agent
+_OF_LEARNERS = REWARD, f"{COST}/"
 
 
 class Info(dict[str, Any]):
@@ -71,15 +72,14 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
     decomposition = transition.decomposition
-    share = decomposition.load_share
-    force_share, force_defined, torque_share, torque_defined = _told(share.force, share.torque)
+    share = decomposition.share_or_even
     info = Info(
         internal_wrench=decomposition.internal,
         manipulation_wrench=decomposition.manipulation,
-        force_load_share=force_share,
-        force_load_share_defined=force_defined,
-        torque_load_share=torque_share,
-        torque_load_share_defined=torque_defined,
+        force_load_share=share.force,
+        force_load_share_defined=share.force_defined,
+        torque_load_share=share.torque,
+        torque_load_share_defined=share.torque_defined,
         relative_cost=decomposition.relative_cost,
         wasted_cost=decomposition.wasted_cost,
         internal_force_level=decomposition.internal_force_level,
@@ -91,7 +91,8 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     )
     if transition.stored_energy is not None:
         info["stored_energy"] = transition.stored_energy
-    info.update({REWARD + name: part for name, part in parts.items()})
+    for name, part in parts.items():
+        info[REWARD + name] = part
     if transition.conditions.randomised:
         for name, number in transition.conditions.parameters().items():
             info[BODY + name] = number
@@ -119,9 +120,10 @@ def cost_info(total: FloatArray, parts: Mapping[str, FloatArray]) -> dict[str, F
     return told
 
 
+@lru_cache
 def is_of_learners(name: str) -> bool:
     """Whether a value has a row for each agent that learns, rather than for each agent."""
-    return name.startswith(REWARD) or name == COST or name.startswith(f"{COST}/")
+    return name.startswith(_OF_LEARNERS) or name == COST
 
 
 def with_worlds(info: Info, worlds: IntArray, other: Info) -> Info:
@@ -134,21 +136,54 @@ def copied(info: Info) -> Info:
     return Info({name: value.copy() for name, value in info.items()})
 
 
-def one(info: Info, k: int) -> Info:
-    """A copy of world ``k``'s info: its first axis dropped, single numbers as Python's own."""
-    return Info(
-        {name: value[k].copy() if value.ndim > 1 else value.item(k) for name, value in info.items()}
-    )
+def of_team(info: Info) -> Info:
+    """What a team of one world is told: single numbers as Python's own, reward and cost averaged.
+
+    ``info`` is of one world; arrays lose their first axis.
+    """
+    told = Info()
+    for name, value in info.items():
+        if value.ndim == 1:
+            told[name] = value.item()
+        else:
+            told[name] = mean(value) if is_of_learners(name) else value[0].copy()
+    return told
 
 
-@gufunc(
-    "(n),(n)->(n),(),(n),()",
-    "void(float64[:], float64[:], float64[:], boolean[:], float64[:], boolean[:])",
-)
-def _told(force, torque, told_force, force_defined, told_torque, torque_defined):
-    """Shares with 1/n where they are undefined, and whether they are defined."""
-    force_defined[0], torque_defined[0] = not np.isnan(force[0]), not np.isnan(torque[0])
-    even = 1 / force.shape[0]
-    for i in range(force.shape[0]):
-        told_force[i] = force[i] if force_defined[0] else even
-        told_torque[i] = torque[i] if torque_defined[0] else even
+def of_agents(info: Info, agents: Sequence[int]) -> list[Info]:
+    """What each of these ``agents``, the learners of one world, is told: its own row.
+
+    Reward and cost have a row for each of ``agents``, other arrays one for each of all. What is
+    true of the world is told to all.
+    """
+    of_world = {name: value.item() if value.ndim == 1 else value for name, value in info.items()}
+    told = []
+    for number, agent in enumerate(agents):
+        own = Info(of_world)
+        for name, value in info.items():
+            if value.ndim == 1:
+                continue
+            row = number if is_of_learners(name) else agent
+            if name in POSES:
+                own[name] = value[0].copy()
+            else:
+                own[name] = value.item(row) if value.ndim == 2 else value[0, row].copy()
+        told.append(own)
+    return told
+
+
+def means(values: FloatArray) -> FloatArray:
+    """Mean of the team's numbers in each world ``(world,)``, of ``(world, learner)``.
+
+    To the bits of NumPy's own, which takes twice as long to call.
+    """
+    return np.add.reduce(values, axis=1) / values.shape[1]
+
+
+def mean(values: FloatArray) -> float:
+    """Mean of the team's numbers in one world ``(1, learner)``.
+
+    NumPy's own takes longer to call than to add them.
+    """
+    (team,) = values.tolist()
+    return sum(team) / len(team)

@@ -82,6 +82,17 @@ class Transition:
             stored_energy=np.zeros((count, num_agents)) if hands else None,
         )
 
+    @classmethod
+    def of_step(cls, **entries: Any) -> "Transition":
+        """As the constructor, of which every field without a default must be given.
+
+        The core makes one in every step, and the constructor of a frozen class sets its fields
+        slowly.
+        """
+        made = object.__new__(cls)
+        made.__dict__.update(entries, _decompositions={}, _own=[])
+        return made
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_decompositions": {}, "_own": []}  # computed again when asked for
 
@@ -93,14 +104,14 @@ class Transition:
     @property
     def decomposition(self) -> Decomposition:
         """Decomposition of ``applied`` under the environment's settings."""
-        found = self._own[0] if self._own else None  # hashing settings costs more than this
-        if found is None:
-            found = self.decompose(self.team.settings)
-            self._own.append(found)
-        return found
+        if not self._own:
+            self._own.append(self.team.decomposer()(self.applied))
+        return self._own[0]
 
     def decompose(self, settings: Settings) -> Decomposition:
         """Decomposition of ``applied`` under other settings; computed once a step for each."""
+        if settings == self.team.settings:
+            return self.decomposition
         found = self._decompositions.get(settings)
         if found is None:
             found = self.team.decomposer(settings)(self.applied)

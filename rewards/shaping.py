@@ -48,8 +48,9 @@ class PotentialShaping:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``, the same for every agent."""
         before, after = self.potential(transition.state), self.potential(transition.next_state)
-        num_agents = transition.team.num_agents
-        return _gain(before, after, transition.terminated, self.discount, self.weight, num_agents)
+        gain = np.empty((len(before), transition.team.num_agents))
+        _write_gain(before, after, transition.terminated, self.discount, self.weight, gain)
+        return gain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,9 +65,7 @@ class Progress(PotentialShaping):
 
 
 @compiled
-def _gain(before, after, terminated, discount, weight, num_agents):
-    gain = np.empty((len(before), num_agents))
+def _write_gain(before, after, terminated, discount, weight, gain):
     for world in range(len(before)):
         later = 0.0 if terminated[world] else discount * after[world]
         gain[world, :] = weight * (later - before[world])
-    return gain

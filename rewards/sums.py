@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf
 from typing import Protocol
 
 import numpy as np
 
 from coopenv.arrays import LARGEST, FloatArray, number
+from coopenv.compiled.checks import is_finite
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.info import Info
 from coopenv.transition import Transition
@@ -74,20 +75,19 @@ class RewardSum(Mapping[str, Term]):
         InvalidInput
             If a term returns another shape or something that is not finite, or the sum is not.
         """
-        parts = {name: term(transition) for name, term in self._terms.items()}
         shape = transition.applied.shape[:2]
-        total = np.zeros(shape)
-        for name, part in parts.items():
+        total, parts = np.zeros(shape), {}
+        for name, term in self._terms.items():
+            parts[name] = part = term(transition)
             if getattr(part, "shape", None) != shape:
                 raise InvalidInput(
                     f"{what} {name!r} must return an array (world, agent) = {shape}, got "
                     f"shape {np.shape(part)}; transition.per_agent repeats one value a world"
                 )
             total += part
-        if not isfinite(np.vdot(total, total)):  # one number for the whole batch
+        if not is_finite(total):
             check_finite(parts, what=what)
-            if not np.isfinite(total).all():  # finite parts, of which the sum is none
-                check_finite(parts, at_most=LARGEST, what=what)
+            check_finite(parts, at_most=LARGEST, what=what)  # finite, but their sum is not
         return total, parts
 
     def __getitem__(self, name: str) -> Term:

@@ -2,15 +2,17 @@
 
 import copy
 import pickle
+from itertools import combinations
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 
+import coopenv
 from coopenv import Ranges, Transport
-from coopenv.info import Info
-from tests.helpers import IDS, PARALLEL, actions, parallel_actions
+from coopenv.info import Info, is_of_learners
+from tests.helpers import IDS, PARALLEL, TRIO, actions, parallel_actions
 
 RANDOMISED = {"randomise": Ranges(mass=(4, 9)), "partner": "impedance", "horizon": 40}
 
@@ -70,6 +72,58 @@ def test_groups_are_made_where_they_are_indexed_and_are_no_entries():
     for missing in ("body", "reward"):
         with pytest.raises(KeyError):
             Info(success=True)[missing]
+
+
+TRIO_WITH_PARTNER = {
+    "body": TRIO,
+    "partner": "noisy",
+    "partner_agents": (1,),
+    "cost": "squeeze",
+    "bounded": True,
+    "randomise": Ranges(mass=(4, 9)),
+}
+
+
+@pytest.mark.parametrize("keywords", [{}, TRIO_WITH_PARTNER], ids=["plain", "a partner between"])
+def test_single_views_tell_what_the_core_tells_of_their_world(keywords):
+    core = Transport(**keywords)
+    team: Any = gymnasium.make("coopenv/BeamTransport-v0", **keywords).unwrapped
+    each = coopenv.beam_transport_v0.parallel_env(**keywords)
+    learners, agents = core.learners, each.possible_agents
+    told = [(core.reset(seed=4)[1], team.reset(seed=4)[1], each.reset(seed=4)[1])]
+    for action in actions(15, 20, *core.action_shape):
+        rows = dict(zip(agents, action[0], strict=True))
+        told.append((core.step(action)[4], team.step(action.ravel())[4], each.step(rows)[4]))
+    for of_core, of_team, of_agents in told:
+        assert list(of_team) == list(of_core)
+        for agent, own in of_agents.items():
+            assert list(own) == list(of_core), agent
+        for name, (value,) in of_core.items():
+            averaged = is_of_learners(name)
+            wanted = np.mean(value) if averaged else value
+            np.testing.assert_allclose(of_team[name], wanted, rtol=1e-15, err_msg=name)
+            for row, (agent, i) in enumerate(zip(agents, learners, strict=True)):
+                of_world = not np.ndim(value) or name == "partner_plan"
+                wanted = value if of_world else value[row if averaged else i]
+                np.testing.assert_array_equal(of_agents[agent][name], wanted, err_msg=name)
+
+
+def test_infos_of_single_views_share_no_memory():
+    env = coopenv.beam_transport_v0.parallel_env(partner="noisy", body=TRIO)
+    env.reset(seed=0)
+    *_, infos = env.step({agent: np.ones(3, np.float32) for agent in env.agents})
+    arrays = [
+        value for info in infos.values() for value in info.values() if isinstance(value, np.ndarray)
+    ]
+    assert len(arrays) > 4
+    for value in arrays:
+        assert value.base is None
+        assert value.flags.writeable
+        value += 1.0  # a view of another would show it
+    core_info = env.transport.get_state().parts["info"]
+    for first, second in combinations(arrays, 2):
+        assert not np.shares_memory(first, second)
+    assert np.abs(core_info["partner_plan"][0] - infos["agent_0"]["partner_plan"]).min() > 0.5
 
 
 def test_an_undefined_share_is_an_even_one_beside_a_flag():

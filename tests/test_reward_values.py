@@ -45,7 +45,10 @@ def hand_made() -> Transition:
     for settings, internal in ((OWN, INTERNAL), (OTHER, 2 * INTERNAL)):
         decomposer = Decomposer(core.team.grips[0], settings)
         split = Decomposition(APPLIED, Answer(manipulation=APPLIED - internal), decomposer)
-        step._decompositions[settings] = split
+        if settings is OWN:
+            step._own.append(split)
+        else:
+            step._decompositions[settings] = split
     return step
 
 

@@ -3,6 +3,7 @@
 import pickle
 import subprocess
 import sys
+from dataclasses import FrozenInstanceError, fields, replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from coopenv import BLOCKS, Body, Scene, Transport, TransportTask
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.observation.view import agent_view
 from coopenv.rewards import PRESETS
+from coopenv.transition import Transition
+from coopenv.wrench import Settings
 from tests.helpers import (
     CLUTTERED,
     EASY,
@@ -369,6 +372,41 @@ def test_a_transition_survives_pickling():
     kept = pickle.loads(pickle.dumps(last(core)))
     assert_same(core.reward(kept), core.reward(last(core)))
     np.testing.assert_array_equal(agent_view(kept), agent_view(last(core)))
+
+
+def test_the_transition_of_a_step_is_one_that_the_constructor_makes():
+    core = started(num_worlds=2)
+    ride(core, actions(12, 2, 2, 2, 3))
+    latest = last(core)
+    made = replace(latest)  # by the constructor, which refuses an entry too few or too many
+    assert vars(made).keys() == vars(latest).keys()
+    for entry in fields(Transition):
+        if entry.init:
+            assert getattr(made, entry.name) is getattr(latest, entry.name), entry.name
+    with pytest.raises(FrozenInstanceError):
+        latest.success = made.success  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_the_environments_own_decomposition_is_computed_once_whoever_asks():
+    core = started(num_worlds=2)
+    ride(core, actions(13, 1, 2, 2, 3))
+    own = last(core).decomposition
+    assert last(core).decomposition is own
+    assert last(core).decompose(replace(core.config.decomposition)) is own
+    other = last(core).decompose(Settings(torque_weight=0.25))
+    assert other is not own
+    assert last(core).decompose(Settings(torque_weight=0.25)) is other
+
+
+def test_a_step_hashes_no_settings(monkeypatch):
+    """It took a step of one world as long as the decomposition itself."""
+    core = started(num_worlds=1, reward="balanced")
+    hashed, original = [], Settings.__hash__
+    monkeypatch.setattr(Settings, "__hash__", lambda own: hashed.append(own) or original(own))
+    ride(core, actions(14, 3, 1, 2, 3))
+    assert not hashed
+    last(core).decompose(Settings(torque_weight=0.25))
+    assert hashed
 
 
 def test_a_horizon_truncates_and_a_success_terminates_never_both():

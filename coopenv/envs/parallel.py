@@ -11,7 +11,6 @@ from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import wrappers
 from pettingzoo.utils.conversions import parallel_to_aec
 
-from coopenv import info as infos
 from coopenv.arrays import finite_array, plain_array
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
@@ -24,6 +23,7 @@ from coopenv.envs.common import (
     team_observation_space,
 )
 from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.info import Info, of_agents
 from coopenv.pushes import check_numbers, push_numbers
 from coopenv.snapshot import Snapshot
 from coopenv.transport import Transport
@@ -42,7 +42,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
 
     Every agent has its own observation and reward; they end together. Agents that a ``partner``
     drives are not among them. Info, per agent: as `coopenv.info.step_info`, wrenches, shares and
-    reward terms and cost its own; of a partner, as `coopenv.driven.DrivenAgents.info`.
+    reward terms and cost its own; of a partner, as `coopenv.stepping.driven.DrivenAgents.info`.
 
     Parameters
     ----------
@@ -76,6 +76,7 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         self.metadata = {**metadata_of(self, self.transport), "name": name}
         self.possible_agents = [f"agent_{i}" for i in self.transport.learners]
         self.agents: list[str] = []
+        self._names = {agent: f"actions[{agent!r}]" for agent in self.possible_agents}
         self.observation_spaces = {
             agent: agent_observation_space(self.transport) for agent in self.possible_agents
         }
@@ -159,14 +160,14 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
                 f"actions must have one entry for each of {self.agents}, got {given}; "
                 "add or drop entries"
             )
-        return np.stack([self.read(agent, actions[agent]) for agent in self.agents])[None]
+        return np.array([[self.read(agent, actions[agent]) for agent in self.agents]])
 
     def read(self, agent: str, action: Any) -> npt.NDArray[Any]:
         """One agent's action ``(action_size,)``, or the number ``()`` of a push.
 
         Raises `InvalidInput` where it is none.
         """
-        name, table = f"actions[{agent!r}]", self.transport.table
+        name, table = self._names[agent], self.transport.table
         if table is not None:
             number = push_numbers(action, name, (), len(table))
             check_numbers(number, name, len(table))
@@ -182,27 +183,9 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         self._obs = obs[0]
         return {agent: obs[0, i].copy() for i, agent in enumerate(self.possible_agents)}
 
-    def _infos(self, info: infos.Info) -> ByAgent:
-        single = infos.one(info, 0)
-        rows = zip(self.possible_agents, self.transport.learners, strict=True)
-        return {agent: _own(single, i, row) for row, (agent, i) in enumerate(rows)}
-
-
-def _own(info: infos.Info, i: int, row: int) -> infos.Info:
-    """Agent ``i``'s part: its row of what is per agent, the rest as it is.
-
-    Reward and cost are of the learners only, of whom it is number ``row``.
-    """
-    own = infos.Info()
-    for name, value in info.items():
-        if not isinstance(value, np.ndarray):
-            own[name] = value
-        elif name in infos.POSES:
-            own[name] = value.copy()
-        else:
-            mine = row if infos.is_of_learners(name) else i
-            own[name] = value[mine].copy() if value.ndim > 1 else value.item(mine)
-    return own
+    def _infos(self, info: Info) -> ByAgent:
+        told = of_agents(info, self.transport.learners)
+        return dict(zip(self.possible_agents, told, strict=True))
 
 
 def aec(parallel: TransportParallelEnv) -> AECEnv:

@@ -7,7 +7,6 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from coopenv import info as infos
 from coopenv.arrays import whole
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
@@ -21,6 +20,7 @@ from coopenv.envs.common import (
 )
 from coopenv.envs.spec import Specified, asked_horizon
 from coopenv.errors import InvalidInput
+from coopenv.info import mean, of_team
 from coopenv.snapshot import Snapshot
 from coopenv.transport import Transport
 
@@ -33,7 +33,8 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     with ``action="discrete"`` the number of a push an agent.
     Reward: mean over the team. Info: `coopenv.info.step_info` of this world, reward terms and cost
     averaged over the team. Agents that a ``partner`` drives have no part in observation, action,
-    reward and cost; what is true of it is in the info (`coopenv.driven.DrivenAgents.info`).
+    reward and cost; what is true of it is in the info, as
+    `coopenv.stepping.driven.DrivenAgents.info` has it.
 
     ``horizon`` truncates, and is ``spec.max_episode_steps``; ``gymnasium.make(...,
     max_episode_steps=)`` is another word for it, shorter or longer.
@@ -85,7 +86,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
             raise
         if self.render_mode == "human":
             self.render()
-        return obs.reshape(-1), _team_info(info)
+        return obs.reshape(-1), of_team(info)
 
     def step(
         self, action: npt.NDArray[np.float32]
@@ -96,7 +97,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
         if self.render_mode == "human":
             self.render()
         ends = bool(terminated[0]), bool(truncated[0])
-        return obs.flatten(), _mean(reward[0]), *ends, _team_info(info)
+        return obs.flatten(), mean(reward), *ends, of_team(info)
 
     def get_state(self) -> Snapshot:
         """All that decides how the episode goes on; see `coopenv.Transport.get_state`."""
@@ -110,7 +111,7 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
         self.np_random = generator
         if self.render_mode == "human":
             self.render()
-        return obs.reshape(-1), _team_info(info)
+        return obs.reshape(-1), of_team(info)
 
     def render(self) -> Any:
         """The picture ``(height, width, 3)`` uint8, or ``None`` with a window open."""
@@ -119,16 +120,3 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     def close(self) -> None:
         """Close the window."""
         self._pictures.close()
-
-
-def _team_info(info: infos.Info) -> infos.Info:
-    single = infos.one(info, 0)
-    for name, value in single.items():
-        if infos.is_of_learners(name):
-            single[name] = _mean(value)
-    return single
-
-
-def _mean(values: npt.NDArray[np.float64]) -> float:
-    """Mean of a few numbers; NumPy's own takes longer to call than to add them."""
-    return sum(values.tolist()) / len(values)

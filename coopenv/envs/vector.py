@@ -23,7 +23,7 @@ from coopenv.envs.common import (
 )
 from coopenv.envs.spec import Specified
 from coopenv.errors import UnknownName
-from coopenv.info import Info, is_of_learners
+from coopenv.info import Info, is_of_learners, means
 from coopenv.snapshot import Snapshot
 from coopenv.transport import Seed, Transport
 
@@ -112,7 +112,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         else:
             info = self._vector_info(info)
         self._collect(range(self.num_envs), restart)
-        return self._joint(obs), reward.mean(axis=1), terminated, truncated, info
+        return self._joint(obs), means(reward), terminated, truncated, info
 
     def get_state(self, worlds: Sequence[int] | IntArray | None = None) -> Snapshot:
         """All that decides how worlds go on; see `coopenv.Transport.get_state`."""
@@ -177,7 +177,7 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
             present = np.ones(self.num_envs, dtype=np.bool_)
         masked = Info()
         for name, value in info.items():
-            masked[name] = value.mean(axis=1) if is_of_learners(name) else value
+            masked[name] = means(value) if is_of_learners(name) else value
             masked[f"_{name}"] = present.copy()
         return masked
 

@@ -9,7 +9,7 @@ a rotation is given by its cosine and sine.
 
 from collections.abc import Sequence
 from math import cos, sin
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -75,17 +75,22 @@ def agent_frames(grips: FloatArray) -> FloatArray:
     return np.where(at_center, [1.0, 0.0], -grips / np.where(at_center, 1.0, distance))
 
 
-@compiled
-def wrap_pose(pose):
+def wrap_pose(pose: FloatArray) -> FloatArray:
     """Pose ``(world, 3)`` with its angle wrapped to (−π, π]; a fresh array."""
-    out = pose.copy()
-    for k in range(len(pose)):
-        out[k, 2] = wrapped(pose[k, 2])
+    out = np.empty(pose.shape)
+    _wrap(pose, out)
     return out
 
 
 @compiled
-def wrenches_from_actions(action, frame, limit):
+def _wrap(pose, out):
+    for k in range(len(pose)):
+        out[k, 0], out[k, 1], out[k, 2] = pose[k, 0], pose[k, 1], wrapped(pose[k, 2])
+
+
+def wrenches_from_actions(
+    action: FloatArray, frame: FloatArray, limit: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Clip actions to [−1, 1], scale them to the agents' limits and turn them to the object frame.
 
     Parameters
@@ -99,9 +104,14 @@ def wrenches_from_actions(action, frame, limit):
     -------
     ``(clipped, applied)``: ``(world, agent, a)`` and ``(world, agent, 3)``.
     """
+    clipped, applied = np.empty(action.shape), np.zeros((*action.shape[:2], 3))
+    _write_wrenches(action, frame, limit, clipped, applied)
+    return clipped, applied
+
+
+@compiled
+def _write_wrenches(action, frame, limit, clipped, applied):
     num_worlds, num_agents, width = action.shape
-    clipped = np.empty((num_worlds, num_agents, width))
-    applied = np.zeros((num_worlds, num_agents, 3))
     for k in range(num_worlds):
         for i in range(num_agents):
             for j in range(width):
@@ -110,7 +120,6 @@ def wrenches_from_actions(action, frame, limit):
             applied[k, i, 0], applied[k, i, 1] = rotated(frame[k, i, 0], frame[k, i, 1], x, y)
             if width == 3:
                 applied[k, i, 2] = limit[k, i, 1] * clipped[k, i, 2]
-    return clipped, applied
 
 
 @inlined
@@ -138,10 +147,14 @@ def actions_from_wrenches(applied, frame, limit, width):
     return action
 
 
-@compiled
-def repeated(value, count, scale):
+def repeated(value: npt.NDArray[Any], count: int, scale: float) -> FloatArray:
     """``scale`` × one value a world ``(world,)``, for each of ``count`` agents."""
     out = np.empty((len(value), count))
+    _repeat(value, scale, out)
+    return out
+
+
+@compiled
+def _repeat(value, scale, out):
     for k in range(len(value)):
         out[k, :] = scale * value[k]
-    return out

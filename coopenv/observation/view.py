@@ -102,20 +102,25 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     A fresh array. What an agent is not told reads 0, a share that is not defined 1/n.
     """
     decomposition, state = transition.decomposition, transition.next_state
-    team, share = transition.team, decomposition.load_share
-    return _seen(
-        _ends(team.num_agents),
+    team, share = transition.team, decomposition.share_or_even
+    num_worlds, num_agents = transition.applied.shape[:2]
+    begin = _ends(num_agents)
+    seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
+    _write_view(
+        begin,
         (state.pose, state.twist, state.goal),
         transition.conditions.told,
         team.frame,
         (transition.applied, decomposition.internal),
         (share.force, share.torque),
         decomposition.relative_cost,
+        seen,
     )
+    return seen
 
 
 @compiled
-def _seen(begin, motion, told, frame, wrenches, shares, cost):
+def _write_view(begin, motion, told, frame, wrenches, shares, cost, seen):
     """See `agent_view`.
 
     Parameters
@@ -131,15 +136,16 @@ def _seen(begin, motion, told, frame, wrenches, shares, cost):
     wrenches
         Applied and internal, ``(world, agent, 3)`` each, object frame.
     shares
-        Of force and torque, ``(world, agent)`` each.
+        Of force and torque, ``(world, agent)`` each, 1/n where undefined.
     cost
         ``(world,)``.
+    seen
+        ``(world, agent, feature)`` written.
     """
     pose, twist, goal = motion
     applied, internal = wrenches
     force_share, torque_share = shares
     num_worlds, num_agents = frame.shape[:2]
-    seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
     for k in range(num_worlds):
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         dx, dy, turn = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1], goal[k, 2] - pose[k, 2]
@@ -166,11 +172,9 @@ def _seen(begin, motion, told, frame, wrenches, shares, cost):
                 at = begin[_PART.partner_internal] + 3 * step
                 _write_wrench(internal, k, other, c_own, s_own, row, at)
 
-            at, force, torque = begin[_PART.load_share], force_share[k, i], torque_share[k, i]
-            row[at] = 1 / num_agents if np.isnan(force) else force
-            row[at + 1] = 1 / num_agents if np.isnan(torque) else torque
+            at = begin[_PART.load_share]
+            row[at], row[at + 1] = force_share[k, i], torque_share[k, i]
             row[begin[_PART.relative_cost]] = cost[k]
-    return seen
 
 
 @inlined

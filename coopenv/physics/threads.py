@@ -60,13 +60,18 @@ def one_thread_at_a_time(
     def alone(self: Any, *args: Given.args, **keywords: Given.kwargs) -> Result:
         turn = self.turn
         if not turn.acquire(False):
-            raise CoreInUse(
-                "a core must be stepped and reset by one thread at a time, got a second one; "
-                "make one for each thread"
-            )
+            raise in_use()
         try:
             return method(self, *args, **keywords)
         finally:
             turn.release()
 
     return alone
+
+
+def in_use() -> CoreInUse:
+    """What is raised where another thread has the turn."""
+    return CoreInUse(
+        "a core must be stepped and reset by one thread at a time, got a second one; make one for "
+        "each thread"
+    )

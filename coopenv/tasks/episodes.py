@@ -69,7 +69,8 @@ class Episodes:
 
     def tick(self) -> FloatArray:
         """Go on by one control step; the time ``(world,)`` since each episode began [s]."""
-        self._steps, time = _tick(self._steps, self._dt)
+        time = np.empty(len(self._steps))
+        _tick(self._steps, self._dt, time)
         return time
 
     def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray]:
@@ -81,20 +82,22 @@ class Episodes:
         if self._is_judged:
             self._distances = self._distances + state.distance
             success = success & task.accepts(self._distances / self._steps)
-        truncated, self._ended, self._any_ended = _ends(success, self._steps, self._horizon)
+        truncated = np.empty(len(self._steps), dtype=np.bool_)
+        self._any_ended = _end(success, self._steps, self._horizon, truncated, self._ended)
         return success, truncated
 
 
 @compiled
-def _tick(steps, dt):
-    """Steps and time [s] since the episode began, one step later."""
-    later = steps + 1
-    return later, later * dt
+def _tick(steps, dt, time):
+    """Steps since the episode began, one later and in place; writes the time [s]."""
+    for k in range(len(steps)):
+        steps[k] += 1
+        time[k] = steps[k] * dt
 
 
 @compiled
-def _ends(success, steps, horizon):
-    """Which worlds ran out of time, which ended either way, and whether any did."""
-    truncated = (steps >= horizon) & ~success
-    ended = truncated | success
-    return truncated, ended, ended.any()
+def _end(success, steps, horizon, truncated, ended):
+    """Write which worlds ran out of time and which ended either way; return whether any did."""
+    truncated[:] = (steps >= horizon) & ~success  # raises where a task judged too few worlds
+    ended[:] = truncated | success
+    return ended.any()

@@ -44,13 +44,17 @@ class PoseTask(Task):
 
     def distance(self, pose: FloatArray, goal: FloatArray) -> FloatArray:
         """‖Δposition‖ + ``angle_weight`` · |Δθ| [m]."""
-        return _distance(pose, goal, self.angle_weight)
+        distance = np.empty(len(pose))
+        _write_distance(pose, goal, self.angle_weight, distance)
+        return distance
 
     def success(self, pose: FloatArray, twist: FloatArray, goal: FloatArray) -> BoolArray:
         """Position, angle, speed and spin all within tolerance."""
         place = self.position_tolerance, self.angle_tolerance
         rest = self.speed_tolerance, self.spin_tolerance
-        return _success(pose, twist, goal, *place, *rest)
+        success = np.empty(len(pose), dtype=np.bool_)
+        _write_success(pose, twist, goal, *place, *rest, success)
+        return success
 
 
 def free_pose(
@@ -85,17 +89,14 @@ def _between(fraction: float, low: float, high: float, extent: list[float]) -> f
 
 
 @compiled
-def _distance(pose, goal, angle_weight):
-    distance = np.empty(len(pose))
+def _write_distance(pose, goal, angle_weight, distance):
     for k in range(len(pose)):
         away = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
         distance[k] = away + angle_weight * turn_between(pose[k, 2], goal[k, 2])
-    return distance
 
 
 @compiled
-def _success(pose, twist, goal, position, angle, speed, spin):
-    success = np.empty(len(pose), dtype=np.bool_)
+def _write_success(pose, twist, goal, position, angle, speed, spin, success):
     for k in range(len(pose)):
         success[k] = (
             np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]) <= position
@@ -103,4 +104,3 @@ def _success(pose, twist, goal, position, angle, speed, spin):
             and np.hypot(twist[k, 0], twist[k, 1]) <= speed
             and abs(twist[k, 2]) <= spin
         )
-    return success

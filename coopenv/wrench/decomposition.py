@@ -24,6 +24,7 @@ from coopenv.wrench.measures import (
     WASTED_COST,
     EnergyShare,
     LoadShare,
+    ShareOrEven,
     level_kernel,
 )
 from coopenv.wrench.methods import METHODS
@@ -299,6 +300,11 @@ class Decomposition:
     def load_share(self) -> LoadShare:
         """Each effector's share of the resultant; see `coopenv.wrench.load_share`."""
         return measures.share_of_load(self.applied, self._decomposer.grips)
+
+    @_once
+    def share_or_even(self) -> ShareOrEven:
+        """Load shares with 1/n in place of NaN, and whether they are defined."""
+        return measures.share_or_even(self.applied, self._decomposer.grips)
 
     def energy_share(self, twist: npt.ArrayLike) -> EnergyShare:
         """Each effector's share of the object's power; see `coopenv.wrench.energy_share`."""

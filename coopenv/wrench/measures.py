@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import FloatArray, finite_array
-from coopenv.compiled import TINY, compiled, gufunc
+from coopenv.arrays import BoolArray, FloatArray, finite_array
+from coopenv.compiled import TINY, compiled, gufunc, inlined
 from coopenv.errors import InvalidInput
 from coopenv.wrench.grasp import checked_applied, checked_grips, wrench_size
 
@@ -32,6 +32,15 @@ class LoadShare(NamedTuple):
 
     force: FloatArray  # (..., n) dimensionless
     torque: FloatArray  # (..., n) dimensionless
+
+
+class ShareOrEven(NamedTuple):
+    """Load shares that are 1/n where they are undefined, and whether they are defined."""
+
+    force: FloatArray  # (..., n) dimensionless
+    force_defined: BoolArray  # (...)
+    torque: FloatArray  # (..., n) dimensionless
+    torque_defined: BoolArray  # (...)
 
 
 class EnergyShare(NamedTuple):
@@ -73,6 +82,11 @@ def load_share(applied: npt.ArrayLike, grips: npt.ArrayLike) -> LoadShare:
 def share_of_load(applied: FloatArray, grips: FloatArray) -> LoadShare:
     """Return `load_share` of arrays that were checked before."""
     return LoadShare(*load_share_kernel(applied, grips))
+
+
+def share_or_even(applied: FloatArray, grips: FloatArray) -> ShareOrEven:
+    """Return shares without NaN of arrays that were checked before."""
+    return ShareOrEven(*share_or_even_kernel(applied, grips))
 
 
 def energy_share(applied: npt.ArrayLike, grips: npt.ArrayLike, twist: npt.ArrayLike) -> EnergyShare:
@@ -219,6 +233,11 @@ def _normalise(parts, resultant, magnitude):
             parts[i] = np.nan
 
 
+@inlined
+def _is_defined(share):
+    return not np.isnan(share[0])
+
+
 @compiled
 def _at_centre(applied, grips, i):
     """Force, and torque at the centre of mass, of effector i (eq. 4)."""
@@ -227,11 +246,8 @@ def _at_centre(applied, grips, i):
     return fx, fy, fz, mx + tx, my + ty, mz + tz
 
 
-@gufunc(
-    "(n,k),(n,d)->(n),(n)",
-    "void(float64[:,:], float64[:,:], float64[:], float64[:])",
-)
-def load_share_kernel(applied, grips, force_share, torque_share):
+@inlined
+def _share(applied, grips, force_share, torque_share):
     """Write each effector's share of the resultant force and torque (eq. 25)."""
     sfx, sfy, sfz, stx, sty, stz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     forces, torques = 0.0, 0.0
@@ -248,6 +264,29 @@ def load_share_kernel(applied, grips, force_share, torque_share):
         torque_share[i] = (tx * stx + ty * sty + tz * stz) / max(torque, TINY)
     _normalise(force_share, force, forces)
     _normalise(torque_share, torque, torques)
+
+
+@gufunc(
+    "(n,k),(n,d)->(n),(n)",
+    "void(float64[:,:], float64[:,:], float64[:], float64[:])",
+)
+def load_share_kernel(applied, grips, force_share, torque_share):
+    """Write load shares (eq. 25), NaN where they are undefined."""
+    _share(applied, grips, force_share, torque_share)
+
+
+@gufunc(
+    "(n,k),(n,d)->(n),(),(n),()",
+    "void(float64[:,:], float64[:,:], float64[:], boolean[:], float64[:], boolean[:])",
+)
+def share_or_even_kernel(applied, grips, force_share, force_defined, torque_share, torque_defined):
+    """Write load shares (eq. 25), 1/n where they are undefined, and whether they are defined."""
+    _share(applied, grips, force_share, torque_share)
+    force_defined[0], torque_defined[0] = _is_defined(force_share), _is_defined(torque_share)
+    even = 1 / force_share.shape[0]
+    for i in range(force_share.shape[0]):
+        force_share[i] = force_share[i] if force_defined[0] else even
+        torque_share[i] = torque_share[i] if torque_defined[0] else even
 
 
 @gufunc(

@@ -250,3 +250,16 @@ def test_a_task_that_only_looks_like_one_is_told_what_to_write():
         Transport(task=Alike())
     with pytest.raises(InvalidInput, match=r"must be a coopenv\.Task, .*; pass TransportTask"):
         Transport(task=TransportTask)
+
+
+def test_a_task_that_judges_too_few_worlds_is_not_asked_for_the_others():
+    """Its answer is read by a kernel, which would go on in whatever memory comes next."""
+
+    class Hasty(TransportTask):
+        def success(self, pose, twist, goal):
+            return super().success(pose, twist, goal)[:2]
+
+    core = Transport(num_worlds=3, task=Hasty())
+    core.reset(seed=0)
+    with pytest.raises(ValueError, match="broadcast"):
+        core.step(np.zeros((3, 2, 3)))

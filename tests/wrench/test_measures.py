@@ -30,6 +30,23 @@ def test_load_shares_follow_equation_25(dimension):
         np.testing.assert_allclose(found.sum(-1), 1.0, rtol=1e-12)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_shares_without_nan_are_load_shares_or_even(dimension):
+    applied, grips = random_case(dimension)
+    applied[0] = 0.0  # neither is defined
+    applied[1, :, dimension:] = -wrench.induced_torque(applied[1], grips)  # no torque
+    split = wrench.decompose(applied, grips, method="moore_penrose")
+    share, filled = split.load_share, split.share_or_even
+    for plain, found, defined in (
+        (share.force, filled.force, filled.force_defined),
+        (share.torque, filled.torque, filled.torque_defined),
+    ):
+        np.testing.assert_array_equal(defined, ~np.isnan(plain).any(axis=-1))
+        np.testing.assert_array_equal(found, np.nan_to_num(plain, nan=1 / 3))
+    assert filled.force_defined[:3].tolist() == [False, True, True]
+    assert filled.torque_defined[:3].tolist() == [False, False, True]
+
+
 def test_load_shares_are_undefined_where_the_resultant_vanishes():
     share = wrench.load_share([[1.0, 0.0, 0.0], [-1.0, 1e-10, 0.0]], BEAM)
     assert np.isnan(share.force).all()

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, number_array, plain_array
 from coopenv.compiled import compiled
+from coopenv.compiled.checks import is_finite
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import action_of
@@ -174,7 +175,7 @@ def read_action(
         )
     if restart is not None:
         given = np.where(restart[:, None, None], 0.0, given)
-    if not _is_finite(given):
+    if not is_finite(given):
         finite_array(given, "action")  # raises, naming the place
     return given
 
@@ -191,14 +192,6 @@ def _evenly(numbers: IntArray) -> slice | IntArray:
     if (steps != steps[:1]).any():
         return numbers
     return slice(int(numbers[0]), int(numbers[-1]) + 1, int(steps[0]) if len(steps) else 1)
-
-
-@compiled
-def _is_finite(action):
-    finite = True
-    for number in action.flat:
-        finite = finite and np.isfinite(number)
-    return finite
 
 
 @compiled

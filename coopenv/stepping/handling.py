@@ -145,8 +145,8 @@ def _read(action, frame, limits, hands, has_hand, middle, spread, angle):
         ``(2,)``: logarithms of the factors of stiffness and of damping that an action of 0 stands
         for, and by how much 1 raises them.
     angle
-        ``(world,)`` of the bodies in the middle of the step, if they turn on as they do [rad]: a hand
-        that goes round with its body then keeps to the circle.
+        ``(world,)`` of the bodies in the middle of the step, if they turn on as they do [rad]: a
+        hand that goes round with its body then keeps to the circle.
 
     Returns
     -------

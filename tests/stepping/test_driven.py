@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from coopenv import Transport, TransportConfig
-from coopenv.driven import driven_agents, read_action
 from coopenv.errors import InvalidInput
+from coopenv.stepping.driven import driven_agents, read_action
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

@@ -1,0 +1,253 @@
+"""Worlds of one configuration: how episodes begin in them, and one control step of all."""
+
+from threading import RLock
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from coopenv.arrays import BoolArray, FloatArray, IntArray, whole, with_rows
+from coopenv.conditions import Conditions, Team
+from coopenv.config import ACTIONS, TransportConfig
+from coopenv.errors import InvalidInput, ResetNeeded
+from coopenv.geometry import frames
+from coopenv.info import CLIPPED, Info, cost_info, start_info, step_info, with_worlds
+from coopenv.observation import Observation
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
+from coopenv.physics.world import World
+from coopenv.pushes import pushed
+from coopenv.resets import Draws
+from coopenv.snapshot import generator_states, put_generators, take_rows
+from coopenv.stepping.driven import driven_agents, read_action
+from coopenv.stepping.handling import handling_of
+from coopenv.tasks.episodes import Episodes
+from coopenv.transition import State, Transition
+
+MOST_WORLDS = 10**6  # more take hours to make, and more memory than there is
+
+
+class SteppedWorlds:
+    """What is stepped, and how; `coopenv.Transport` is what callers have of it.
+
+    Its methods hand out the worlds' own arrays, which nobody else may change.
+    """
+
+    def __init__(
+        self, *, num_worlds: int = 1, config: TransportConfig | None = None, **keywords: Any
+    ):
+        if config is not None and keywords:
+            raise InvalidInput(
+                f"config must come alone, got also {sorted(keywords)}; "
+                "change it with dataclasses.replace"
+            )
+        self.config = config if config is not None else TransportConfig.parse(keywords)
+        self.num_worlds = whole(num_worlds, "num_worlds", at_least=1, at_most=MOST_WORLDS)
+        self.num_agents = self.config.num_agents
+        self.learners = self.config.learners
+        self.action_size = ACTIONS[self.config.action]
+        self.dt, self.substeps = self.config.dt, self.config.substeps
+        self.horizon = self.config.horizon
+        self.table = self.config.table
+        shape = self.num_worlds, len(self.learners)
+        self.action_shape = shape if self.table is not None else (*shape, self.action_size)
+        self.reward, self.cost = self.config.terms, self.config.costs
+        self.observation = Observation(
+            self.config.observe, self.num_agents, self.num_worlds, self.config.bounds()
+        )
+        self._draws = Draws(self.config, self.num_worlds)
+        self.conditions = self._draws.first()
+        self.team.decomposer()  # raises here rather than in a step
+        self.world = World(
+            self.bodies,
+            self.scenes,
+            dt=self.dt,
+            substeps=self.substeps,
+            reach=self._draws.reach,
+        )
+        self.handling = handling_of(self.config, self.num_worlds)
+        self.driven = driven_agents(self.config, self.num_worlds)
+        self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
+        self.transition: Transition | None = None
+        self._task, self._has_moving_goal = self.config.task, self.config.task.moves
+        self._episodes = Episodes(self._task, self.num_worlds, dt=self.dt, horizon=self.horizon)
+        self._obs = np.zeros((0,), dtype=np.float32)
+        self._info = Info()
+        self.turn = RLock()
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """What is carried, one a world."""
+        return self.conditions.bodies
+
+    @property
+    def scenes(self) -> tuple[Scene, ...]:
+        """Where, one a world."""
+        return self.conditions.scenes
+
+    @property
+    def team(self) -> Team:
+        """Who carries."""
+        return self.conditions.team
+
+    def _begin(
+        self, worlds: IntArray, conditions: Conditions, pose: FloatArray, goal: FloatArray
+    ) -> None:
+        """Start an episode in ``worlds``; ``conditions`` are those of all worlds from now on."""
+        self.conditions = conditions
+        before, self.transition = self.transition, None  # until this is done, no step may follow
+        start = self._start(worlds, pose, goal)
+        seen, clipped = self.observation.read(start, worlds)
+        obs = self.driven.of_learners(seen)
+        info = start_info(start, self.reward, len(self.learners), self.cost)
+        if clipped is not None:
+            info[CLIPPED] = clipped
+        self.driven.begin(worlds, self.generators, start)
+        if before is None or len(worlds) == self.num_worlds:
+            self.transition = start
+        else:
+            self.transition = before.with_worlds(worlds, start, self.conditions)
+            obs = with_rows(self._obs, worlds, obs)
+            info = with_worlds(Info({name: self._info[name] for name in info}), worlds, info)
+        info.update(self.driven.info(self.transition))
+        self._obs, self._info = obs, info
+
+    def _parts(self, worlds: IntArray) -> dict[str, Any]:
+        """All that decides how ``worlds`` go on, one row each."""
+        assert self.transition is not None
+        return {
+            "conditions": self.conditions.get_state(worlds),
+            "world": self.world.get_state(worlds),
+            "handling": self.handling.get_state(worlds),
+            "episodes": self._episodes.get_state(worlds),
+            "transition": self.transition.get_state(worlds),
+            "partner": self.driven.get_state(worlds),
+            "observation": self.observation.get_state(worlds),
+            "generators": generator_states(self.generators, worlds),
+            "obs": self._obs[worlds],
+            "info": take_rows(dict(self._info), worlds),
+        }
+
+    def _go_on(self, worlds: IntArray, parts: dict[str, Any]) -> None:
+        """Go on in ``worlds`` from what `_parts` returned."""
+        bodies, scenes = parts["conditions"]["bodies"], parts["conditions"]["scenes"]
+        self.world.check_rooms(worlds, scenes)
+        before, self.transition = self.transition, None  # until this is done, no step may follow
+        self.conditions = self.conditions.with_state(parts["conditions"], worlds)
+        self.world.set_state(parts["world"], worlds, bodies, scenes, anew=before is None)
+        self.handling.set_state(parts["handling"], worlds)
+        self._episodes.set_state(parts["episodes"], worlds)
+        self.driven.set_state(parts["partner"], worlds)
+        self.observation.set_state(parts["observation"], worlds)
+        put_generators(self.generators, parts["generators"], worlds)
+        obs, info = parts["obs"], Info(parts["info"])
+        if before is not None and len(worlds) < self.num_worlds:
+            obs, info = with_rows(self._obs, worlds, obs), with_worlds(self._info, worlds, info)
+        self.transition = Transition.restored(
+            parts["transition"],
+            self.conditions,
+            beside=before,
+            worlds=worlds,
+            dt=self.dt,
+            horizon=self.horizon,
+        )
+        self._obs, self._info = obs, info
+
+    def _step(
+        self, action: npt.ArrayLike, restart: BoolArray | None
+    ) -> tuple[FloatArray, BoolArray, BoolArray]:
+        """Go on by one control step; rewards ``(world, learner)``, terminated and truncated."""
+        before = self._running(restart)
+        joint = self._joint(action, before, restart)
+        self.transition = None  # from the middle of a step no episode goes on
+        given = self.handling.move(self.world, joint, self.team)
+        next_state = self._state(before.next_state.goal, self._episodes.tick())
+        success, truncated = self._episodes.judge(self.conditions, next_state)
+        self.transition = transition = Transition.of_step(
+            state=before.next_state,
+            next_state=next_state,
+            conditions=self.conditions,
+            action=given.action,
+            previous_action=before.action,
+            applied=given.applied,
+            contact_impulse=self.world.contact_impulse,
+            contact_shift=self.world.contact_shift,
+            success=success,
+            terminated=success,
+            truncated=truncated,
+            dt=self.dt,
+            horizon=self.horizon,
+            stretch=given.stretch,
+            felt_wrench=given.felt_wrench,
+            stored_energy=given.stored_energy,
+        )
+        driven = self.driven
+        reward, parts = self.reward(transition)
+        reward = driven.of_learners(reward)
+        seen, clipped = self.observation.read(transition)
+        self._obs = driven.of_learners(seen)
+        self._info = step_info(transition, driven.terms_of_learners(parts))
+        if self.cost is not None:
+            taken, parts = self.cost(transition, what="cost")
+            told = cost_info(driven.of_learners(taken), driven.terms_of_learners(parts))
+            self._info.update(told)
+        if clipped is not None:
+            self._info[CLIPPED] = clipped
+        self._info.update(driven.info(transition))
+        return reward, success, truncated
+
+    def _running(self, restart: BoolArray | None) -> Transition:
+        """The last transition; raises `ResetNeeded` unless a step may follow in every world."""
+        if self.transition is None:
+            raise ResetNeeded(
+                "reset must be called before the first step and after a call that broke off, got "
+                "a step; call reset()"
+            )
+        self._episodes.check_running(restart)
+        return self.transition
+
+    def _joint(
+        self, action: npt.ArrayLike, before: Transition, restart: BoolArray | None
+    ) -> FloatArray:
+        """Actions of all agents ``(world, agent, a)``, finite."""
+        if self.table is None:
+            given = read_action(action, self.action_shape, restart)
+        else:
+            given = pushed(action, self.action_shape, self.table, restart)
+        return self.driven.joint(given, before, restart)
+
+    def _state(self, goal: FloatArray, time: FloatArray) -> State:
+        task, plan = self._task, self.conditions.plan
+        if self._has_moving_goal:
+            goal = frames.wrap_pose(task.goal_at(plan, time))
+        pose = frames.wrap_pose(self.world.pose)
+        distance = task.way(plan, pose, goal)
+        # The world makes its arrays anew in every step, so they need no copy.
+        return State(pose=pose, twist=self.world.twist, goal=goal, distance=distance, time=time)
+
+    def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
+        """Put ``worlds`` at the start of an episode; the transition that led to nothing yet."""
+        count = len(worlds)
+        conditions = self.conditions
+        if count < self.num_worlds:
+            conditions = conditions.take(worlds)
+        if self._draws.changing:
+            self.world.furnish(worlds, conditions.bodies, conditions.scenes)
+        self.world.place(worlds, pose)
+        self.handling.begin(worlds, pose, conditions.team)
+        self._episodes.begin(worlds)
+        pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
+        state = State(
+            pose=pose,
+            twist=np.zeros((count, 3)),
+            goal=goal,
+            distance=self._task.way(conditions.plan, pose, goal),
+            time=np.zeros(count),
+        )
+        return Transition.start(
+            state,
+            conditions,
+            action_size=self.action_size,
+            dt=self.dt,
+            horizon=self.horizon,
+        )
