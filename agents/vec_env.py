@@ -24,7 +24,7 @@ from coopenv.envs.common import (
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.info import COST
 from coopenv.rewards.sums import check_learnable
-from coopenv.snapshot import Snapshot, chosen_worlds, take_rows
+from coopenv.snapshot import Snapshot, chosen_worlds
 from coopenv.transport import Transport
 
 from . import partners
@@ -162,10 +162,7 @@ class TransportVecEnv(VecEnv):
         """
         obs, _ = self.transport.set_state(state, worlds)
         chosen = chosen_worlds(worlds, self.transport.num_worlds)
-        sums = state.parts.get(_SUMS)
-        if sums is not None and len(state) != len(chosen):  # one world for all
-            sums = take_rows(sums, np.zeros_like(chosen))
-        self._sums.set_state(sums, chosen)
+        self._sums.set_state(state.part_for(_SUMS, len(chosen)), chosen)
         transition = self.transport.transition
         assert transition is not None
         ended = transition.terminated | transition.truncated

@@ -63,6 +63,16 @@ class Snapshot:
         """A copy with something more to remember, one row a world."""
         return replace(self, parts={**self.parts, name: rows})
 
+    def part_for(self, name: str, num_worlds: int) -> Rows | None:
+        """What a view remembers under ``name`` as so many worlds are to; ``None`` if nothing.
+
+        That of a single world is repeated for all of them.
+        """
+        rows = self.parts.get(name)
+        if rows is None or len(self) == num_worlds:
+            return rows
+        return take_rows(rows, np.zeros(num_worlds, dtype=np.int64))
+
 
 def fitting(
     state: Any, config: TransportConfig, worlds: IntArray

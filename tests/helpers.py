@@ -1,6 +1,6 @@
 """What several test modules share."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from types import ModuleType
 from typing import Any
@@ -21,6 +21,7 @@ from coopenv import (
     Scene,
     Sensor,
     TrackingTask,
+    Transport,
     TransportTask,
     WalkerAvoidTask,
     WalkerTurnTask,
@@ -243,6 +244,25 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def _holds_objects(value: Any) -> bool:
     return isinstance(value, np.ndarray) and value.dtype.hasobject
+
+
+def side_by_side(
+    many: Transport, again: Transport, alone: Transport, plan: Iterable[npt.NDArray[np.float64]]
+) -> Iterator[tuple[Any, Any]]:
+    """What each step returns of two equal cores, which is the same, and of one with their world 2.
+
+    ``plan`` has actions of all worlds; those that end begin anew.
+    """
+    ended: dict[Transport, Any] = dict.fromkeys((many, again, alone))
+    for action in plan:
+        got = {
+            core: core.step(action[2:3] if core is alone else action, restart=ended[core])
+            for core in ended
+        }
+        ended = {core: step[2] | step[3] for core, step in got.items()}
+        assert_same(got[many], got[again])
+        np.testing.assert_allclose(got[many][0][2], got[alone][0][0], atol=1e-5)
+        yield got[many], got[alone]
 
 
 def assert_same(first: Any, second: Any, *, within: float = 0.0) -> None:

@@ -14,6 +14,7 @@ import pytest
 from coopenv import wrench
 from coopenv.compiled import cache as compile_cache
 from coopenv.geometry.frames import wrap_pose, wrapped
+from tests.modules import TWO_KERNELS
 
 KERNEL = """
 from numba import njit
@@ -172,27 +173,12 @@ def test_a_cache_left_by_two_processes_at_once_is_mended(tmp_path):
     assert run(CALL, tmp_path) == "3.0"
 
 
-FRAGILE = """
-from coopenv.compiled import compiled, gufunc
-
-@compiled
-def twice(x):
-    return 2.0 * x
-
-@gufunc("(n)->()", "void(float64[:], float64[:])")
-def total(values, result):
-    result[0] = 0.0
-    for i in range(values.shape[0]):
-        result[0] += values[i]
-"""
-
-
 @pytest.fixture
 def start(tmp_path, monkeypatch):
     """Import kernels as a new process would; how many were in the cache, and how many not."""
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(compile_cache, "_warned", [], raising=False)
-    (tmp_path / "fragile.py").write_text(FRAGILE)
+    (tmp_path / "fragile.py").write_text(TWO_KERNELS)
 
     def begin() -> tuple[int, int]:
         sys.modules.pop("fragile", None)

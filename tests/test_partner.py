@@ -20,7 +20,7 @@ from coopenv import (
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.partners import PARTNERS, Impedance, Noisy, Population
 from coopenv.errors import InvalidInput, UnknownName
-from tests.helpers import EASY, NEVER, TRIO, actions, assert_same
+from tests.helpers import EASY, NEVER, TRIO, actions, assert_same, side_by_side
 
 ID = "coopenv/BeamTransport-v0"
 TRUTH = {"partner_plan", "partner_has_plan", "disagreement", "partner_kind"}
@@ -159,17 +159,9 @@ def test_the_same_seed_gives_the_same_bits_and_a_world_stands_alone(name):
     for core in (many, again):
         core.reset(seed=4)
     few.reset(seed=6)
-    ended = {many: None, again: None, few: None}
-    for action in plan:
-        got = {
-            core: core.step(action[2:3] if core is few else action, restart=ended[core])
-            for core in (many, again, few)
-        }
-        ended = {core: step[2] | step[3] for core, step in got.items()}
-        assert_same(got[many], got[again])
-        np.testing.assert_allclose(got[many][0][2], got[few][0][0], atol=1e-5)
+    for together, alone in side_by_side(many, again, few, plan):
         for key in TRUTH:
-            np.testing.assert_allclose(got[many][4][key][2], got[few][4][key][0], atol=1e-9)
+            np.testing.assert_allclose(together[4][key][2], alone[4][key][0], atol=1e-9)
 
 
 def test_every_view_runs_the_same_episodes_with_a_partner():

@@ -63,6 +63,14 @@ def plan_of(core: Transport, steps: int, seed: int = 0, size: float = 0.5) -> np
     return size * actions(seed, steps, *shape)
 
 
+def goes_on_alike(core: Transport, plan: np.ndarray) -> None:
+    """Twice from where it is, the same actions lead to the same bits."""
+    state = core.get_state()
+    first = ride(core, plan)
+    core.set_state(state)
+    assert_same(ride(core, plan), first)
+
+
 def of_worlds(seen: list[Any], worlds: Any) -> list[Any]:
     """The part of what `ride` returned that is of some worlds."""
     return [
@@ -108,10 +116,7 @@ def test_teams_of_any_kind_go_on_to_the_same_bits(name):
     core.reset(seed=0)
     plan = plan_of(core, 20)
     ride(core, plan[:5])
-    state = core.get_state()
-    first = ride(core, plan)
-    core.set_state(state)
-    assert_same(ride(core, plan), first)
+    goes_on_alike(core, plan)
 
 
 @pytest.mark.parametrize("partner", PARTNERS)
@@ -395,10 +400,7 @@ def test_a_partner_of_ones_own_remembers_by_two_methods(monkeypatch):
     core = started(num_worlds=3, partner=partner, scene=OPEN_ROOM)
     plan = plan_of(core, 8)
     ride(core, plan[:3])
-    state = core.get_state()
-    first = ride(core, plan)
-    core.set_state(state)
-    assert_same(ride(core, plan), first)
+    goes_on_alike(core, plan)
     monkeypatch.setattr(Counter, "get_state", lambda self, worlds: {"count": 3.0})
     with pytest.raises(InvalidInput, match=r"state of the partner\['count'\] must be an array"):
         core.get_state()

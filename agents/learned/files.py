@@ -23,7 +23,7 @@ from .algorithms import algorithm_of, find_algorithm, missing_contrib, name_of
 from .archive import NOTES, existing, first_line, notes_in, object_in, opened
 from .blueprint import FORMAT, blueprint_of, build
 from .finite import require_finite
-from .normalization import Normalization
+from .normalization import Normalization, trained_normalized
 from .weights import put_weights, read_weights
 
 _ALGORITHM, _NORMALIZED = "algorithm", "normalized"  # keys of the notes that are ours
@@ -201,3 +201,27 @@ def _algorithm(notes: dict[str, Any], entries: dict[str, Any]) -> type[BaseAlgor
         return find_algorithm(str(notes[_ALGORITHM]))
     kept = json.dumps({"policy_class": entries["policy_class"]})
     return algorithm_of(json_to_data(kept)["policy_class"], entries)
+
+
+def saved_normalization(saved: Saved, path: str | os.PathLike) -> Normalization | bool:
+    """The statistics that go with a file, or False where it needs none.
+
+    Raises
+    ------
+    InvalidInput
+        If it needs some that it does not hold, or does not say whether it does.
+    """
+    if saved.is_normalized is not None:
+        return saved.normalization or False
+    needed = trained_normalized(saved.model) if saved.traces else None
+    if needed is False:
+        return False
+    beside = sorted(Path(path).parent.glob("*vec*normalize*.pkl"))
+    hint = f", {str(beside[0])!r} for example," if beside else ""
+    raise InvalidInput(
+        f"normalize must be given for a policy that {'was' if needed else 'may have been'} "
+        f"trained behind a VecNormalize, got none for {os.fspath(path)!r}; in Python, "
+        "SB3Policy.load(path, normalize=..., trust=True) takes the file that VecNormalize.save "
+        f"wrote{hint} or False if it left observations as they are, and .save writes a policy "
+        "that the command line takes too"
+    )

@@ -19,6 +19,8 @@ from typing_extensions import Self
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 
+from .record import has_learned_in_its_environment, learned_so_far
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Normalization:
@@ -129,6 +131,68 @@ def find_normalization(
             "was trained with"
         )
     return found
+
+
+class Statistics:
+    """Statistics that were given for a model, until it learns in another environment.
+
+    Parameters
+    ----------
+    model
+        Whose observations they are of.
+    normalize, trust
+        As of `coopenv.agents.sb3.SB3Policy`.
+    size
+        Features of an observation.
+    """
+
+    def __init__(
+        self, model: BaseAlgorithm, normalize: Normalize, size: int, *, trust: bool = False
+    ):
+        self._model = model
+        self._is_given, self._given_in = normalize is not None, model.get_env()
+        self._given = find_normalization(normalize, size, trust=trust) if self._is_given else None
+        self._live = normalize if isinstance(normalize, VecNormalize) else None
+        self._begun = learned_so_far(model)
+        self.now()  # raises here rather than in a step
+
+    @property
+    def has_learned_on(self) -> bool:
+        """Whether the model has learned since it was given or read."""
+        return learned_so_far(self._model) != self._begun
+
+    @property
+    def as_given(self) -> Normalize:
+        """As it was given; ``None`` where nothing was, or where it holds no more."""
+        return (self._live or self._given or False) if self._holds_given else None
+
+    def now(self) -> Normalization | None:
+        """Of the observations that the model was trained on; ``None`` without normalisation.
+
+        Raises
+        ------
+        InvalidInput
+            If there were some, and they are not known.
+        """
+        if self._holds_given:
+            return self._given if self._live is None else Normalization.of(self._live)
+        venv = self._model.get_vec_normalize_env()
+        if venv is not None:
+            return Normalization.of(venv)
+        if not has_learned_in_its_environment(self._model) and trained_normalized(self._model):
+            raise InvalidInput(
+                "normalize must be given for a model that was trained behind a VecNormalize, got "
+                "none; give normalize= that VecNormalize or the file that its save wrote, or False "
+                "if it left observations as they are"
+            )
+        return None
+
+    @property
+    def _holds_given(self) -> bool:
+        """Whether the statistics that were given are still those of the model's training."""
+        there = self._model.get_env() is self._given_in
+        same = there and has_learned_in_its_environment(self._model)
+        return self._is_given and (same or not self.has_learned_on)
 
 
 def trained_normalized(model: BaseAlgorithm) -> bool | None:

@@ -3,16 +3,14 @@
 import os
 import warnings
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.vec_env import VecNormalize
 from typing_extensions import Self
 
-from coopenv.arrays import BoolArray, IntArray, with_rows
+from coopenv.arrays import BoolArray, IntArray
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.observation import Observation
@@ -21,14 +19,14 @@ from coopenv.transport import Transport
 
 from ..noise import EpisodeKeys
 from ..policy import Seat
-from .files import Saved, copy_of, load_model, save_model
+from .files import copy_of, load_model, save_model, saved_normalization
 from .finite import DIVERGED, has_diverged
-from .normalization import Normalization, Normalize, find_normalization, trained_normalized
-from .record import RECORD, has_learned_in_its_environment, learned_so_far, notes_now
+from .memory import EpisodeMemory
+from .normalization import Normalization, Normalize, Statistics
+from .record import RECORD, check_trained_on, notes_now
 from .sampling import can_be_sampled, sampled
 from .seat import bounds_for, pushes_of, seats, seen_by
 from .spaces import spaces_of
-from .trained_on import check_trained_on
 
 
 class SB3Policy:
@@ -80,16 +78,9 @@ class SB3Policy:
         self.notes = dict(notes or {})
         self._spaces = spaces_of(model)
         self._features = self._spaces.features
-        self._is_given, self._given_in = normalize is not None, model.get_env()
-        self._given = (
-            find_normalization(normalize, self._features, trust=trust) if self._is_given else None
-        )
-        self._live = normalize if isinstance(normalize, VecNormalize) else None
-        self._begun = learned_so_far(model)
+        self._statistics = Statistics(model, normalize, self._features, trust=trust)
         self._seed, self._keys = seed, EpisodeKeys(seed)
-        self._memory: tuple[npt.NDArray, ...] | None = None  # of a recurrent policy, row by row
-        self._fresh = np.zeros(0, dtype=np.bool_)  # (world,): whose episode begins
-        _ = self.normalization  # raises here rather than in a step
+        self._memory = EpisodeMemory()
 
     @classmethod
     def load(
@@ -133,7 +124,7 @@ class SB3Policy:
         """
         saved = load_model(path, algorithm, trust=trust)
         if normalize is None:
-            normalize = _normalization(saved, path)
+            normalize = saved_normalization(saved, path)
         try:
             return cls(
                 saved.model,
@@ -154,7 +145,9 @@ class SB3Policy:
         environment that is not known or cannot be written costs no trained policy: it is warned of
         and left out. ``PPO.load`` and its like read the file as well, without the normalisation.
         """
-        notes, missing = notes_now(self.model, self.notes, learned_on=self._has_learned_on)
+        notes, missing = notes_now(
+            self.model, self.notes, learned_on=self._statistics.has_learned_on
+        )
         if missing:
             warnings.warn(
                 f"the policy's file does not say which environment it was trained in: {missing}; "
@@ -174,30 +167,7 @@ class SB3Policy:
         InvalidInput
             If there were some, and they are not known.
         """
-        if self._holds_given:
-            return self._given if self._live is None else Normalization.of(self._live)
-        venv = self.model.get_vec_normalize_env()
-        if venv is not None:
-            return Normalization.of(venv)
-        if not has_learned_in_its_environment(self.model) and trained_normalized(self.model):
-            raise InvalidInput(
-                "normalize must be given for a model that was trained behind a VecNormalize, got "
-                "none; give normalize= that VecNormalize or the file that its save wrote, or False "
-                "if it left observations as they are"
-            )
-        return None
-
-    @property
-    def _has_learned_on(self) -> bool:
-        """Whether the model has learned since it was given or read."""
-        return learned_so_far(self.model) != self._begun
-
-    @property
-    def _holds_given(self) -> bool:
-        """Whether the statistics that were given are still those of the model's training."""
-        there = self.model.get_env() is self._given_in
-        same = there and has_learned_in_its_environment(self.model)
-        return self._is_given and (same or not self._has_learned_on)
+        return self._statistics.now()
 
     def sampled(self) -> Self | None:
         """The same policy with sampled actions; ``None`` for algorithms that have no spread."""
@@ -208,7 +178,7 @@ class SB3Policy:
         return type(self)(
             self.model,
             deterministic=False,
-            normalize=(self._live or self._given or False) if self._holds_given else None,
+            normalize=self._statistics.as_given,
             seed=self._seed,
             notes=self._notes_now(),
         )
@@ -220,7 +190,9 @@ class SB3Policy:
             deterministic=self.deterministic,
             normalize=self.normalization or False,
             seed=self._seed,
-            notes=notes_now(self.model, self.notes, learned_on=self._has_learned_on).entries,
+            notes=notes_now(
+                self.model, self.notes, learned_on=self._statistics.has_learned_on
+            ).entries,
         )
 
     def as_partner(
@@ -253,7 +225,7 @@ class SB3Policy:
         """The notes, their record that of the environment in which the model learned last."""
         if RECORD not in self.notes:
             return self.notes
-        return notes_now(self.model, self.notes, learned_on=self._has_learned_on).entries
+        return notes_now(self.model, self.notes, learned_on=self._statistics.has_learned_on).entries
 
     def check_environment(self, core: Transport) -> None:
         """Raise `InvalidInput` if ``core`` is not what it was trained on, as far as that shows."""
@@ -262,8 +234,7 @@ class SB3Policy:
 
     def reset(self, mask: BoolArray) -> None:
         """Forget the episodes of the worlds that ``mask`` ``(world,)`` marks."""
-        known = len(self._fresh) == len(mask)
-        self._fresh = self._fresh | mask if known else np.ones(len(mask), dtype=np.bool_)
+        self._memory.forget(mask)
 
     def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
         """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
@@ -271,29 +242,13 @@ class SB3Policy:
 
     def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
         """Memory and random numbers of ``worlds``; see `coopenv.agents.policy.Stateful`."""
-        fresh = self._fresh if len(self._fresh) == num_worlds else np.ones(num_worlds, np.bool_)
-        memory = () if self._memory is None else self._memory
-        return {
-            "keys": self._keys.get_state(worlds, num_worlds),
-            "fresh": fresh[worlds],
-            "memory": {
-                str(i): _by_world(each, num_worlds)[worlds] for i, each in enumerate(memory)
-            },
-        }
+        keys = self._keys.get_state(worlds, num_worlds)
+        return {"keys": keys, **self._memory.get_state(worlds, num_worlds)}
 
     def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
         """Go on in ``worlds`` from what `get_state` returned."""
         self._keys.set_state(state["keys"], worlds, num_worlds)
-        if len(self._fresh) != num_worlds:
-            self._fresh, self._memory = np.ones(num_worlds, dtype=np.bool_), None
-        self._fresh[worlds] = state["fresh"]
-        kept = [*state["memory"].values()]
-        if not kept:  # taken before the first step, where all is fresh
-            return
-        mine = self._memory and [_by_world(each, num_worlds) for each in self._memory]
-        before = mine or [np.zeros((num_worlds, *each.shape[1:]), each.dtype) for each in kept]
-        changed = map(with_rows, before, [worlds] * len(kept), kept)
-        self._memory = tuple(_by_row(each) for each in changed)
+        self._memory.set_state(state, worlds, num_worlds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, learner, action_size)``, or numbers of pushes ``(world, learner)``.
@@ -312,64 +267,23 @@ class SB3Policy:
         if normalization is not None:
             rows = normalization(rows)
         self.reset(transition.next_state.time == 0)
-        starts = np.repeat(self._fresh, len(rows) // num_worlds)
-        if self._memory is not None and self._memory[0].shape[1] != len(rows):
-            self._memory = None
+        memory, starts = self._memory.recall(len(rows))
 
         def predict() -> tuple[npt.NDArray, Any]:
-            return self.model.predict(rows, self._memory, starts, self.deterministic)
+            return self.model.predict(rows, memory, starts, self.deterministic)
 
         try:
             if self.deterministic:
-                action, self._memory = predict()
+                action, kept = predict()
             else:
-                action, self._memory = sampled(
-                    self.model, predict, self._keys, transition, len(rows)
-                )
+                action, kept = sampled(self.model, predict, self._keys, transition, len(rows))
         except ValueError as error:
             if not has_diverged(self.model, error):
                 raise
             raise InvalidInput(DIVERGED) from error
         if not np.isfinite(action).all():
             raise InvalidInput(DIVERGED)
-        self._fresh = np.zeros(num_worlds, dtype=np.bool_)
+        self._memory.keep(kept)
         if self._spaces.pushes is not None:
             return action.reshape(num_worlds, num_agents).astype(np.int64)
         return action.reshape(num_worlds, num_agents, width).astype(np.float64)
-
-
-def _by_world(memory: npt.NDArray, num_worlds: int) -> npt.NDArray:
-    """As ``(world, row, layer, unit)`` a recurrent memory ``(layer, row, unit)``."""
-    layers, _, units = memory.shape
-    return memory.reshape(layers, num_worlds, -1, units).transpose(1, 2, 0, 3)
-
-
-def _by_row(memory: npt.NDArray) -> npt.NDArray:
-    """A recurrent memory ``(layer, row, unit)`` of what `_by_world` makes of it."""
-    num_worlds, rows, layers, units = memory.shape
-    turned = np.ascontiguousarray(memory.transpose(2, 0, 1, 3))
-    return turned.reshape(layers, num_worlds * rows, units)
-
-
-def _normalization(saved: Saved, path: str | os.PathLike) -> Normalization | bool:
-    """The statistics that go with a file, or False where it needs none.
-
-    Raises
-    ------
-    InvalidInput
-        If it needs some that it does not hold, or does not say whether it does.
-    """
-    if saved.is_normalized is not None:
-        return saved.normalization or False
-    needed = trained_normalized(saved.model) if saved.traces else None
-    if needed is False:
-        return False
-    beside = sorted(Path(path).parent.glob("*vec*normalize*.pkl"))
-    hint = f", {str(beside[0])!r} for example," if beside else ""
-    raise InvalidInput(
-        f"normalize must be given for a policy that {'was' if needed else 'may have been'} "
-        f"trained behind a VecNormalize, got none for {os.fspath(path)!r}; in Python, "
-        "SB3Policy.load(path, normalize=..., trust=True) takes the file that VecNormalize.save "
-        f"wrote{hint} or False if it left observations as they are, and .save writes a policy "
-        "that the command line takes too"
-    )

@@ -20,8 +20,8 @@ from coopenv.observation.bounds import Bounds
 from coopenv.pushes import read_pushes, table_of
 from coopenv.tasks import TASKS, RollingTask
 
+from .record import part_of
 from .spaces import Spaces, said
-from .trained_on import part_of
 
 _OWN_BLOCKS = "; blocks of your own need a file, and LearnedPartner(path=..., trust=True)"
 

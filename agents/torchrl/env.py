@@ -13,7 +13,7 @@ from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.info import Info
 from coopenv.resets import seed_worlds
 from coopenv.rewards.sums import check_learnable
-from coopenv.snapshot import Snapshot, chosen_worlds, take_rows
+from coopenv.snapshot import Snapshot, chosen_worlds
 from coopenv.transport import Transport
 
 from ..features import scale_of_features
@@ -176,10 +176,7 @@ class TransportTorchEnv(EnvBase):
         """
         obs, info = self.transport.set_state(state, worlds)
         chosen = chosen_worlds(worlds, self.transport.num_worlds)
-        resting = state.parts.get(_RESTING)
-        if resting is not None and len(state) != len(chosen):  # one world for all
-            resting = take_rows(resting, np.zeros_like(chosen))
-        self._resting.set_state(resting, chosen)
+        self._resting.set_state(state.part_for(_RESTING, len(chosen)), chosen)
         last = self.transport.transition
         assert last is not None
         waiting = self._resting.get_state(np.arange(self.transport.num_worlds))

@@ -1,13 +1,13 @@
 """Configuration of an environment: one description for every view."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from itertools import product
 from typing import Any, cast
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, positive, whole
+from coopenv.config.agreement import check_partner, check_ranges, check_task, check_team_size
 from coopenv.config.document import document_of, fields_in
 from coopenv.config.hands import check_integrable, read_hands
 from coopenv.config.keywords import (
@@ -30,7 +30,7 @@ from coopenv.physics.body import Body
 from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Scene
 from coopenv.pushes import read_pushes, table_of
-from coopenv.randomisation import Ranges, Variations
+from coopenv.randomisation import Ranges
 from coopenv.rewards import RewardSum, find_cost, find_reward
 from coopenv.tasks import Task, TransportTask
 from coopenv.wrench import Settings
@@ -158,6 +158,7 @@ class TransportConfig:
             _set(self, "randomise", built(self.randomise, "randomise", Ranges))
         _set(self, "hands", read_hands(self.hands, self.action, self.randomise))
         _set(self, "partner", read_partner(self.partner))
+        self._read_team()
         self._check_agreement()
 
     @classmethod
@@ -216,7 +217,7 @@ class TransportConfig:
     @property
     def num_agents(self) -> int:
         """Effectors in every world."""
-        return (self.body if isinstance(self.body, Body) else self.body[0]).num_agents
+        return _each(self.body)[0].num_agents
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -270,74 +271,46 @@ class TransportConfig:
         """What bounds the observations, if they are to be ``bounded``."""
         if not self.bounded:
             return None
-        bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
-        scenes = (self.scene,) if isinstance(self.scene, Scene) else tuple(self.scene)
+        bodies, scenes = _each(self.body), _each(self.scene)
         return Bounds.of(bodies, scenes, self.limits(), self.randomise, self.horizon * self.dt)
 
-    def _check_agreement(self) -> None:
-        bodies = (self.body,) if isinstance(self.body, Body) else tuple(self.body)
-        scenes = (self.scene,) if isinstance(self.scene, Scene) else tuple(self.scene)
-        counts = sorted({body.num_agents for body in bodies})
-        if len(counts) > 1:
-            raise InvalidInput(
-                f"body.grips must be as many in every world, got {counts}; "
-                "one batch holds teams of one size"
-            )
+    def _read_team(self) -> None:
+        """Read what depends on the number of agents."""
+        check_team_size(_each(self.body))
+        _set, count = object.__setattr__, self.num_agents
         for name in ("force_limit", "torque_limit"):
-            limit = read_limit(getattr(self, name), name, self.num_agents)
-            object.__setattr__(self, name, limit)
-        informed = read_agents(self.informed, "informed", self.num_agents)
-        object.__setattr__(self, "informed", informed)
+            _set(self, name, read_limit(getattr(self, name), name, count))
+        for name in ("informed", "partner_agents"):
+            _set(self, name, read_agents(getattr(self, name), name, count))
+
+    def _check_agreement(self) -> None:
+        """Raise where fields that are right by themselves do not go together."""
+        bodies, scenes, count = _each(self.body), _each(self.scene), self.num_agents
         if self.hands is not None:
-            self.hands.check(self.num_agents)
+            self.hands.check(count)
         if self.randomise is not None:
-            self._check_ranges(self.randomise, bodies, scenes)
+            check_ranges(self.randomise, self.task, bodies, scenes, self.strengths())
         if self.hands is not None:
-            self._check_hands(self.hands, bodies)
-        self._check_partner()
-        for body, scene in set(_pairs(bodies, scenes)):
-            self.task.check(body, scene)
+            check_integrable(
+                self.hands,
+                self.action,
+                list(dict.fromkeys(bodies)),
+                self.strengths(),
+                self.randomise,
+                self.dt,
+                self.substeps,
+            )
+        read_agents(self.driven, "partner_agents of the task", count)
+        check_partner(self.partner, self.partner_agents, self.driven, count)
+        check_task(self.task, bodies, scenes)
         for terms in (self.terms, self.costs):
             if terms is not None:
-                terms.check(self.num_agents)
+                terms.check(count)
 
-    def _check_hands(self, hands: Hands, bodies: Sequence[Body]) -> None:
-        different = list(dict.fromkeys(bodies))
-        check_integrable(
-            hands, self.action, different, self.strengths(), self.randomise, self.dt, self.substeps
-        )
 
-    def _check_partner(self) -> None:
-        agents = read_agents(self.partner_agents, "partner_agents", self.num_agents)
-        object.__setattr__(self, "partner_agents", agents)
-        if self.partner is None and agents is not None:
-            raise InvalidInput(
-                f"partner_agents must come with a partner, got {agents} without; "
-                "pass for example partner='follower'"
-            )
-        if self.partner is None:
-            return
-        read_agents(self.driven, "partner_agents of the task", self.num_agents)
-        if not (self.driven and self.learners):
-            raise InvalidInput(
-                f"partner_agents must name at least one of {self.num_agents} agents and leave at "
-                f"least one to learn, got {self.driven}; change them, or give body another grip"
-            )
-
-    def _check_ranges(
-        self, ranges: Ranges, bodies: Sequence[Body], scenes: Sequence[Scene]
-    ) -> None:
-        """Raise where the task cannot be done with what may be drawn."""
-        for body in set(bodies):
-            ranges.check(body)
-        for body, scene in set(_pairs(bodies, scenes)):
-            for extreme in Variations(ranges, body, self.strengths()).extremes():
-                try:
-                    self.task.check(extreme, scene)
-                except InvalidInput as error:
-                    raise InvalidInput(
-                        f"randomise must leave the task possible: {error}"
-                    ) from error
+def _each(value: Any) -> tuple[Any, ...]:
+    """What is one for all worlds, or one a world, as a tuple."""
+    return value if isinstance(value, tuple) else (value,)
 
 
 def _spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
@@ -349,10 +322,3 @@ def _spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
             "repeat or drop entries"
         )
     return value
-
-
-def _pairs(bodies: Sequence[Body], scenes: Sequence[Scene]) -> Iterable[tuple[Body, Scene]]:
-    """Which body is in which scene; with one of either for all worlds, all combinations."""
-    if len(bodies) == len(scenes):
-        return zip(bodies, scenes, strict=True)
-    return product(bodies, scenes)

@@ -3,19 +3,22 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
+from math import isfinite
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 
-from coopenv.arrays import plain_array
+from coopenv.arrays import FloatArray, plain_array
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.pushes import check_numbers
 from coopenv.render.renderer import MODES, Renderer
 from coopenv.transport import Transport
 
 RENDER_MODES = tuple(MODES)
 RESET_OPTIONS = ("pose", "goal")
+COMPONENTS = ("fx", "fy", "tz")  # of an action, agent frame
 
 
 def agent_observation_space(transport: Transport) -> "Box[np.float32]":
@@ -52,6 +55,53 @@ def team_actions(
     if given.shape != shape:
         raise InvalidInput(f"action must have shape {shape}, got {given.shape}; see action_space")
     return given.reshape(transport.action_shape)
+
+
+def check_action(action: npt.NDArray[Any], name: str, table: FloatArray | None) -> None:
+    """Raise `InvalidInput` unless one agent's action, of the right shape, can be done.
+
+    Parameters
+    ----------
+    action
+        ``(action_size,)``, or the number ``()`` of a push.
+    name
+        What its user calls it.
+    table
+        Of the pushes, if actions are discrete.
+    """
+    if table is not None:
+        check_numbers(action, name, len(table))
+        return
+    numbers = action.astype(np.float64).tolist()
+    for component, number in zip(COMPONENTS, numbers, strict=False):  # without a torque, two
+        if not isfinite(number):
+            raise InvalidInput(
+                f"{name} must be finite, got {number} for {component}; give numbers in [-1, 1]"
+            )
+
+
+def said_of_agents(
+    error: InvalidInput, transport: Transport, joint: npt.NDArray[Any], names: Sequence[str]
+) -> InvalidInput:
+    """What the core refused in one world's actions, told of an agent instead of a place in a batch.
+
+    To be called once the core has raised; ``error`` itself where it is of something else.
+
+    Parameters
+    ----------
+    error, transport
+        Raised by it.
+    joint
+        What it was given, ``(1, learner, ...)``.
+    names
+        What the user calls the action of each learner.
+    """
+    for action, name in zip(joint[0], names, strict=True):
+        try:
+            check_action(action, name, transport.table)
+        except InvalidInput as found:
+            return found
+    return error
 
 
 def check_render_mode(mode: str | None, known: Sequence[str]) -> str | None:

@@ -11,20 +11,22 @@ from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import wrappers
 from pettingzoo.utils.conversions import parallel_to_aec
 
-from coopenv.arrays import finite_array, plain_array
+from coopenv.arrays import plain_array
 from coopenv.config import TransportConfig
 from coopenv.envs.common import (
     RENDER_MODES,
     Pictures,
     agent_action_space,
     agent_observation_space,
+    check_action,
     metadata_of,
+    said_of_agents,
     start_options,
     team_observation_space,
 )
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.info import Info, of_agents
-from coopenv.pushes import check_numbers, push_numbers
+from coopenv.pushes import push_numbers
 from coopenv.snapshot import Snapshot
 from coopenv.transport import Transport
 
@@ -110,7 +112,11 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], ByAgent]:
         """Advance by one control step."""
         joint = self._joint(actions)
-        obs, reward, terminated, truncated, info = self.transport.advance(joint)
+        try:
+            obs, reward, terminated, truncated, info = self.transport.advance(joint)
+        except InvalidInput as error:
+            names = [f"actions[{agent!r}]" for agent in self.agents]
+            raise said_of_agents(error, self.transport, joint, names) from None
         seen, told = self._split(obs), self._infos(info)
         rewards = dict(zip(self.agents, reward[0].tolist(), strict=True))
         ends = dict.fromkeys(self.agents, bool(terminated[0]))
@@ -165,13 +171,11 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     def read(self, agent: str, action: Any) -> npt.NDArray[Any]:
         """One agent's action ``(action_size,)``, or the number ``()`` of a push.
 
-        Raises `InvalidInput` where it is none.
+        Raises `InvalidInput` where it has not that form; its numbers are looked at later.
         """
         name, table = self._names[agent], self.transport.table
         if table is not None:
-            number = push_numbers(action, name, (), len(table))
-            check_numbers(number, name, len(table))
-            return number
+            return push_numbers(action, name, (), len(table))
         row, size = plain_array(action, name), self.transport.action_size
         if row.shape != (size,):
             raise InvalidInput(
@@ -203,7 +207,8 @@ class _Turns(wrappers.OrderEnforcingWrapper):
     def step(self, action: Any) -> None:
         agent = self.agent_selection
         if not (self.terminations[agent] or self.truncations[agent]):
-            finite_array(self._parallel.read(agent, action), f"actions[{agent!r}]")
+            given, table = self._parallel.read(agent, action), self._parallel.transport.table
+            check_action(given, f"actions[{agent!r}]", table)
         super().step(action)
 
     def get_state(self) -> Snapshot:

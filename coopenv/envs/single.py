@@ -13,6 +13,7 @@ from coopenv.envs.common import (
     RENDER_MODES,
     Pictures,
     metadata_of,
+    said_of_agents,
     start_options,
     team_action_space,
     team_actions,
@@ -93,7 +94,11 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
     ) -> tuple[npt.NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Advance by one control step."""
         joint = team_actions(self.transport, action, self.action_space.shape)
-        obs, reward, terminated, truncated, info = self.transport.advance(joint)
+        try:
+            obs, reward, terminated, truncated, info = self.transport.advance(joint)
+        except InvalidInput as error:
+            names = [f"action of agent {i}" for i in self.transport.learners]
+            raise said_of_agents(error, self.transport, joint, names) from None
         if self.render_mode == "human":
             self.render()
         ends = bool(terminated[0]), bool(truncated[0])

@@ -24,6 +24,7 @@ from coopenv.agents.sb3 import SB3Policy
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.train import train
 from coopenv.errors import InvalidInput
+from tests.modules import OWN_REWARD
 
 SHORT = TransportConfig(horizon=8, body=Body(mass=5.0), reward="harmony")
 
@@ -248,7 +249,7 @@ def test_a_description_holds_the_numbers_of_what_is_added():
 
 
 def test_a_description_names_code_of_ones_own_without_its_hash(tmp_path, monkeypatch):
-    (tmp_path / "described_rewards.py").write_text(OWN)
+    (tmp_path / "described_rewards.py").write_text(OWN_REWARD)
     monkeypatch.syspath_prepend(str(tmp_path))
     import described_rewards  # type: ignore[import-not-found]
 
@@ -256,19 +257,6 @@ def test_a_description_names_code_of_ones_own_without_its_hash(tmp_path, monkeyp
     terms = {**default.terms, "mine": described_rewards.Mine(weight=3.0)}
     (said,) = described(replace(default, reward=rewards.RewardSum(terms)), default)
     assert said == "reward.mine described_rewards:Mine(weight=3.0)"
-
-
-OWN = """
-from dataclasses import dataclass
-import numpy as np
-
-@dataclass(frozen=True)
-class Mine:
-    weight: float = 1.0
-
-    def __call__(self, transition):
-        return self.weight * np.ones(transition.applied.shape[:2])
-"""
 
 
 def test_a_choice_over_a_configuration_changes_only_what_it_names():

@@ -3,7 +3,6 @@
 import json
 import warnings
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,14 +21,7 @@ from coopenv.agents.seeds import HELD_OUT, training_seeds
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.agents.train import train
 from coopenv.errors import InvalidInput, UnknownName
-
-SHORT = TransportConfig(horizon=8)
-
-
-def tiny(out: Path, **changes) -> TrainConfig:
-    """Four rollouts of 32 steps."""
-    given = {"steps": 128, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epochs": 1}
-    return TrainConfig(**{**given, "hidden": (8,), "out": out, **changes})
+from tests.agents.training.cases import SHORT, tiny
 
 
 def weights(policy) -> list[np.ndarray]:

@@ -23,6 +23,7 @@ from coopenv.agents.settings import TrainConfig, find_config
 from coopenv.agents.train import train
 from coopenv.cli import environments
 from coopenv.rewards import RewardSum, TimeCost
+from tests.modules import OWN_REWARD
 
 
 @pytest.fixture(autouse=True)
@@ -158,21 +159,8 @@ def test_another_version_is_said_and_does_not_matter(files, tmp_path, capsys, mo
     assert "(now 999.0)" in capsys.readouterr().err
 
 
-MODULE = """
-from dataclasses import dataclass
-import numpy as np
-
-@dataclass(frozen=True)
-class Mine:
-    weight: float = 1.0
-
-    def __call__(self, transition):
-        return self.weight * np.ones(transition.applied.shape[:2])
-"""
-
-
 def test_code_of_ones_own_is_imported_only_if_trusted(tmp_path, monkeypatch, capsys):
-    (tmp_path / "my_rewards.py").write_text(MODULE)
+    (tmp_path / "my_rewards.py").write_text(OWN_REWARD)
     monkeypatch.syspath_prepend(tmp_path)
     import my_rewards  # type: ignore[import-not-found]
 

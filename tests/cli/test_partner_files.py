@@ -13,7 +13,7 @@ from coopenv import cli
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.train import train
 from tests.agents.learned import hostile
-from tests.agents.training.test_going_on import SHORT, tiny
+from tests.agents.training.cases import SHORT, tiny
 
 TINY = ("--steps=64", "--num-worlds=4", "--rollout=8", "--batch-size=16", "--epochs=1")
 

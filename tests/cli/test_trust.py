@@ -19,7 +19,7 @@ from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.train import train
 from coopenv.errors import CoopenvError, InvalidInput
 from tests.agents.learned import hostile
-from tests.agents.training.test_going_on import SHORT, tiny
+from tests.agents.training.cases import SHORT, tiny
 
 EVIL = """
 from pathlib import Path

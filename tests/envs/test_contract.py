@@ -518,7 +518,7 @@ def test_wrong_actions_of_agents_are_refused_and_move_nothing(module):
         ({**good, f"agent_{len(good)}": np.zeros(size)}, entries),
         ({**good, last: np.zeros(size - 1)}, rf"actions\['{last}'{shape}"),
         ({**good, last: None}, rf"actions\['{last}'\] must be an array of numbers"),
-        ({**good, "agent_0": np.full(size, np.nan)}, r"action must be finite"),
+        ({**good, "agent_0": np.full(size, np.nan)}, r"actions\['agent_0'\] must be finite"),
     ):
         with pytest.raises(InvalidInput, match=said):
             env.step(plan)
@@ -534,7 +534,7 @@ def test_a_nan_action_is_refused_by_the_gymnasium_views_and_moves_nothing(view):
         env, twin = make(), make()
         shape = constant(env).shape
         assert_same(env.reset(seed=0), twin.reset(seed=0))
-        with pytest.raises(InvalidInput, match="action must be finite, got nan"):
+        with pytest.raises(InvalidInput, match=r"action.* must be finite, got nan"):
             env.step(np.full(shape, np.nan, dtype=np.float32))
         action = np.ones(shape, dtype=np.float32)
         assert_same(env.step(action), twin.step(action))

@@ -8,20 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.modules import TWO_KERNELS
+
 ROOT = Path(__file__).parents[2]
-KERNELS = """
-from coopenv.compiled import compiled, gufunc
-
-@compiled
-def twice(x):
-    return 2.0 * x
-
-@gufunc("(n)->()", "void(float64[:], float64[:])")
-def total(values, result):
-    result[0] = 0.0
-    for i in range(values.shape[0]):
-        result[0] += values[i]
-"""
 CALL = "import kernels; print(kernels.twice(3.0), kernels.total([1.0, 2.0]))"
 USE = """
 import numpy as np
@@ -80,7 +69,7 @@ def run_read_only(
 def test_kernels_of_a_read_only_folder_are_compiled_in_memory_and_it_is_said_once(tmp_path):
     folder = tmp_path / "site"
     folder.mkdir()
-    (folder / "kernels.py").write_text(KERNELS)
+    (folder / "kernels.py").write_text(TWO_KERNELS)
     done = run_read_only(CALL, folder)
     assert (done.stdout, done.returncode) == ("6.0 3.0\n", 0), done.stderr
     assert done.stderr.count("cache of compiled kernels must be writable") == 1
@@ -91,7 +80,7 @@ def test_kernels_of_a_read_only_folder_are_compiled_in_memory_and_it_is_said_onc
 def test_kernels_of_a_read_only_folder_are_kept_where_the_variable_says(tmp_path):
     folder, cache = tmp_path / "site", tmp_path / "cache"
     folder.mkdir()
-    (folder / "kernels.py").write_text(KERNELS)
+    (folder / "kernels.py").write_text(TWO_KERNELS)
     done = run_read_only(CALL, folder, NUMBA_CACHE_DIR=str(cache))
     assert (done.stdout, done.stderr, done.returncode) == ("6.0 3.0\n", "", 0)
     assert list(cache.rglob("kernels.twice*.nbi"))

@@ -1,7 +1,7 @@
-"""A policy as a partner: it acts as it was trained, in every view, or says why it cannot."""
+"""A trained policy as a partner: it acts as it was trained, in every view, or says why not."""
 
 import pickle
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +16,14 @@ from gymnasium.envs.registration import EnvSpec
 
 from coopenv import PUSHES, DoorwayTask, Sensor, Transport, TransportConfig, beam_transport_v0
 from coopenv.agents import sb3
-from coopenv.agents.controllers import find_controller
-from coopenv.agents.partners import Impedance, Lagging, LearnedPartner, PolicyPartner
-from coopenv.agents.policy import RandomPolicy
+from coopenv.agents.partners import Impedance, Lagging, LearnedPartner
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from tests.agents.learned.cases import normalized, trained, untrained
+from tests.agents.partners.cases import OTHER, SEEN, wrenches
 from tests.helpers import NEVER, TRIO, actions
 
 ID = "coopenv/BeamTransport-v0"
-SEEN = TransportConfig(task=NEVER, observe=("goal", "twist", "own_wrench"), horizon=50)
-OTHER = replace(SEEN, observe=("time", "partner_wrench"))  # what the learner beside it sees
 
 
 def saved(path: Path, config: TransportConfig = SEEN, control: str = "joint") -> str:
@@ -95,18 +92,6 @@ def test_it_sees_through_its_own_statistics_and_remembers_each_episode(tmp_path)
     assert policy.normalization is not None
     beside(str(tmp_path / "it"), policy, (1,), replace(TransportConfig(), task=NEVER))
     beside(policy, policy.frozen(), (1,), replace(TransportConfig(), task=NEVER))
-
-
-def wrenches(core: Transport, episodes: int = 3, steps: int = 4, **reset: Any) -> np.ndarray:
-    """What agent 1 gives in some episodes, which worlds begin together."""
-    given = []
-    for k in range(episodes):
-        core.reset(**(reset if k == 0 else {}))
-        for action in actions(k, steps, core.num_worlds, 1, 3):
-            core.step(action)
-            assert core.transition is not None
-            given.append(core.transition.applied[:, 1])
-    return np.array(given)
 
 
 def test_samples_are_of_seed_episode_and_step_whatever_runs_beside(files):
@@ -278,66 +263,6 @@ def test_agents_of_a_walker_are_not_exchanged(tmp_path):
         Transport(config=replace(seen, partner=drive))
 
 
-def steady(obs, transition):
-    """A policy at the top of a module: always forwards."""
-    return np.tile([1.0, 0.0, 0.0], (*obs.shape[:2], 1))
-
-
-@dataclass(frozen=True)
-class Push:
-    """A policy of one's own, a frozen dataclass."""
-
-    force: float = 0.5
-
-    def __call__(self, obs, transition):
-        return np.tile([self.force, 0.0, 0.0], (*obs.shape[:2], 1))
-
-
-class Counting:
-    """A policy with a memory: how many steps the episode of each world has lasted."""
-
-    def __init__(self, num_worlds: int):
-        self.steps = np.zeros(num_worlds)
-
-    def reset(self, mask):
-        self.steps = np.where(mask, 0.0, self.steps)
-
-    def __call__(self, obs, transition):
-        self.steps = self.steps + 1
-        return np.tile(self.steps[:, None, None] / 10, (1, obs.shape[1], 3))
-
-
-def test_a_function_is_a_partner_and_gets_what_the_driven_agents_see():
-    given = []
-
-    def policy(obs, transition):
-        given.append(obs)
-        return np.full((*obs.shape[:2], 3), 0.5)
-
-    core = Transport(num_worlds=3, partner=policy)
-    twin = Transport(num_worlds=3)
-    core.reset(seed=0, pose=np.zeros(3), goal=np.ones(3))
-    seen, _ = twin.reset(seed=0, pose=np.zeros(3), goal=np.ones(3))
-    core.step(np.zeros((3, 1, 3)))
-    np.testing.assert_array_equal(given[0], seen[:, 1:])
-    assert core.transition is not None
-    np.testing.assert_allclose(core.transition.action[:, 1], 0.5)
-
-
-def test_every_environment_has_a_copy_whose_memory_follows_the_episodes():
-    mine = Counting(2)
-    cores = [Transport(num_worlds=2, partner=mine) for _ in range(2)]
-    for core in cores:
-        core.reset(seed=0)
-        core.step(np.zeros((2, 1, 3)))
-    core = cores[0]
-    core.reset(mask=np.array([False, True]))
-    core.step(np.zeros((2, 1, 3)))
-    assert core.transition is not None
-    np.testing.assert_allclose(core.transition.action[:, 1, 0], [0.2, 0.1])
-    assert not mine.steps.any()
-
-
 def test_a_policy_that_learns_on_changes_no_partner():
     model = trained("PPO", sb3.make_vec_env(SEEN, 2, control="shared"))
     core = Transport(config=replace(OTHER, partner=sb3.SB3Policy(model)))
@@ -346,20 +271,6 @@ def test_a_policy_that_learns_on_changes_no_partner():
     np.testing.assert_array_equal(wrenches(core, episodes=1, seed=0), before)
     later = Transport(config=replace(OTHER, partner=sb3.SB3Policy(model)))
     assert (wrenches(later, episodes=1, seed=0) != before).any()
-
-
-def test_scripted_and_random_policies_are_partners():
-    config = replace(SEEN, partner=find_controller(SEEN))
-    core = Transport(config=config)
-    core.reset(seed=0)
-    assert core.transition is not None
-    wanted = find_controller(SEEN)(np.zeros((1, 2, 1)), core.transition)[0, 1]
-    core.step(np.zeros((1, 1, 3)))
-    np.testing.assert_allclose(core.transition.action[0, 1], wanted)
-    drawn = replace(SEEN, partner=RandomPolicy(SEEN))
-    first, second = (wrenches(Transport(config=drawn), seed=3) for _ in range(2))
-    np.testing.assert_array_equal(first, second)
-    assert len(np.unique(first)) == first.size
 
 
 @pytest.mark.parametrize("action", ["wrench", "discrete"])
@@ -382,30 +293,6 @@ def test_a_policy_that_chooses_pushes_does_here_what_they_stood_for_in_its_train
         Transport(config=replace(OTHER, action="force", partner=str(path)))
 
 
-def test_a_scripted_policy_that_gives_numbers_of_pushes_is_a_partner():
-    config = replace(SEEN, action="discrete", pushes="grid")
-    core = Transport(config=replace(config, partner=find_controller(config)))
-    core.reset(seed=0)
-    assert core.transition is not None
-    wanted = find_controller(config)(np.zeros((1, 2, 1)), core.transition)[0, 1]
-    core.step(np.zeros((1, 1), dtype=np.int64))
-    np.testing.assert_array_equal(core.transition.action[0, 1], np.array(PUSHES["grid"])[wanted])
-    wrong = replace(config, partner=lambda obs, _: np.full(obs.shape[:2], 27))
-    core = Transport(config=wrong)
-    core.reset(seed=0)
-    with pytest.raises(InvalidInput, match="must be from 0 to 26, got 27"):
-        core.step(np.zeros((1, 1), dtype=np.int64))
-
-
-def test_a_policy_of_ones_own_goes_through_json_as_ones_own_code_does():
-    for policy in (steady, Push(force=0.25)):
-        config = TransportConfig(partner=policy)  # pyright: ignore[reportArgumentType]
-        text = config.to_json()
-        assert TransportConfig.from_json(text, trust=(__name__,)) == config
-        with pytest.raises(InvalidInput, match=r"partner\.policy must be of coopenv unless"):
-            TransportConfig.from_json(text)
-
-
 def test_a_policy_that_no_file_can_name_is_refused_there(files):
     policy = sb3.SB3Policy.load(files["joint"])
     for partner, remedy in ((lambda obs, _: obs, "top of a module"), (policy, "save it")):
@@ -414,31 +301,6 @@ def test_a_policy_that_no_file_can_name_is_refused_there(files):
         env: Any = gymnasium.make(ID, partner=partner)
         with pytest.raises(InvalidInput, match=r"partner must be something that JSON can hold"):
             env.spec.to_json()
-
-
-@pytest.mark.parametrize(
-    ("partner", "message"),
-    [
-        ("runs/nobody/policy.zip", r"partner must be a policy's file: .* which is not there"),
-        ("nobody", "partner must be one of the known names"),
-        (lambda obs: obs, r"callable as policy\(obs, transition\)"),
-        (PolicyPartner, r"partner must be a name .*, or be a policy or its file"),
-        (7, r"partner must be a name .*, or be a policy or its file"),
-    ],
-)
-def test_what_is_no_partner_is_refused(partner, message):
-    with pytest.raises((InvalidInput, UnknownName), match=message):
-        TransportConfig(partner=partner)
-
-
-@pytest.mark.parametrize(
-    "given", [np.zeros((1, 3, 3)), np.zeros((1, 1, 2)), np.full((1, 1, 3), np.nan)]
-)
-def test_actions_of_another_form_are_refused(given):
-    core = Transport(partner=lambda obs, transition: given)
-    core.reset(seed=0)
-    with pytest.raises(InvalidInput, match="actions of the partner's policy must"):
-        core.step(np.zeros((1, 1, 3)))
 
 
 def test_numbers_of_a_file_partner_are_checked(files):

@@ -16,7 +16,7 @@ from coopenv.agents.partners import LearnedPartner
 from coopenv.agents.policy import RandomPolicy
 from coopenv.errors import InvalidInput
 from tests.agents.learned.cases import trained
-from tests.agents.partners.test_learned import Counting
+from tests.agents.partners.cases import Counting
 from tests.helpers import NEVER
 
 SEEN = TransportConfig(

@@ -26,7 +26,7 @@ from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.studies.dyads.people import People
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
-from tests.helpers import IDS, TRIO, actions, assert_same
+from tests.helpers import IDS, TRIO, actions, side_by_side
 
 BEAMS = tuple(name for name in IDS if "Beam" in name)
 WALKERS = tuple(name for name in IDS if "Walker" in name)
@@ -116,15 +116,7 @@ def test_the_same_seed_gives_the_same_bits_and_a_world_walks_alone(view):
     five.reset(seed=4)
     again.reset(seed=4)
     one.reset(seed=6)
-    ended = dict.fromkeys((five, again, one))
-    for action in actions(1, 40, 5, 1, 3):
-        got = {
-            core: core.step(action[2:3] if core is one else action, restart=ended[core])
-            for core in (five, again, one)
-        }
-        ended = {core: step[2] | step[3] for core, step in got.items()}
-        assert_same(got[five], got[again])
-        np.testing.assert_allclose(got[five][0][2], got[one][0][0], atol=1e-5)
+    for _ in side_by_side(five, again, one, actions(1, 40, 5, 1, 3)):
         assert five.transition is not None
         assert one.transition is not None
         np.testing.assert_allclose(five.transition.applied[2], one.transition.applied[0], atol=1e-6)

@@ -14,7 +14,7 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.rewards import RewardSum, Success
 from coopenv.transition import Transition
-from tests.agents.training.test_going_on import SHORT, tiny
+from tests.agents.training.cases import SHORT, tiny
 
 
 @dataclass(frozen=True)

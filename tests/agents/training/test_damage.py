@@ -19,7 +19,7 @@ from coopenv.agents.sb3 import SB3Policy
 from coopenv.agents.train import train
 from coopenv.agents.training.checkpoint import Checkpoint
 from coopenv.errors import InvalidInput
-from tests.agents.training.test_going_on import SHORT, tiny
+from tests.agents.training.cases import SHORT, tiny
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from coopenv.agents.train import train
 from coopenv.agents.training.checkpoint import Checkpoint
 from tests.agents.learned import damage
 from tests.agents.learned.cases import normalized, small, start, trained
-from tests.agents.training.test_going_on import SHORT, tiny
+from tests.agents.training.cases import SHORT, tiny
 
 SEED = 20261129  # of what is damaged, and how
 

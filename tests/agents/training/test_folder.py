@@ -11,20 +11,13 @@ pytest.importorskip("tyro")
 
 from stable_baselines3 import PPO
 
-from coopenv import TransportConfig, cli
+from coopenv import cli
 from coopenv.agents.sb3 import SB3Policy, make_vec_env
-from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
 from coopenv.errors import InvalidInput
+from tests.agents.training.cases import SHORT, tiny
 
-SHORT = TransportConfig(horizon=8)
 MINE = "somebody's own"
-
-
-def tiny(out: Path, **changes) -> TrainConfig:
-    """Two rollouts of 32 steps."""
-    given = {"steps": 64, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epochs": 1}
-    return TrainConfig(**{**given, "hidden": (8,), "out": out, **changes})
 
 
 def put(folder: Path, *names: str, text: str = MINE) -> list[Path]:
@@ -41,7 +34,7 @@ def put(folder: Path, *names: str, text: str = MINE) -> list[Path]:
 def test_files_that_no_run_wrote_are_neither_removed_nor_written_over(names, fresh, tmp_path):
     paths = put(tmp_path, *names)
     with pytest.raises(InvalidInput, match=rf"{', '.join(names)} that no run wrote.* move it away"):
-        train(tiny(tmp_path, fresh=fresh), environment=SHORT)
+        train(tiny(tmp_path, steps=64, fresh=fresh), environment=SHORT)
     assert [path.read_text() for path in paths] == [MINE] * len(paths)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
 
@@ -64,10 +57,10 @@ def test_a_policy_that_no_run_wrote_is_neither_removed_nor_written_over(fresh, t
     put(tmp_path, "config.json")
     before = (tmp_path / "policy.zip").read_bytes()
     with pytest.raises(InvalidInput, match=r"holds config\.json.* that no run wrote"):
-        train(tiny(tmp_path, fresh=fresh), environment=SHORT)
+        train(tiny(tmp_path, steps=64, fresh=fresh), environment=SHORT)
     (tmp_path / "config.json").unlink()
     with pytest.raises(InvalidInput, match="policy"):
-        train(tiny(tmp_path, fresh=fresh), environment=SHORT)
+        train(tiny(tmp_path, steps=64, fresh=fresh), environment=SHORT)
     assert (tmp_path / "policy.zip").read_bytes() == before
 
 
@@ -76,19 +69,19 @@ def test_settings_that_a_run_left_show_it_before_its_first_checkpoint(tmp_path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt, match="before the first update"):
-        train(tiny(tmp_path), environment=SHORT, report=stop)
+        train(tiny(tmp_path, steps=64), environment=SHORT, report=stop)
     assert not (tmp_path / "checkpoint.zip").exists()
     put(tmp_path, "table.csv")
     with pytest.raises(KeyboardInterrupt):
-        train(tiny(tmp_path, fresh=True, seed=1), environment=SHORT, report=stop)
+        train(tiny(tmp_path, steps=64, fresh=True, seed=1), environment=SHORT, report=stop)
     assert not (tmp_path / "table.csv").exists()
     assert json.loads((tmp_path / "config.json").read_text())["seed"] == 1
-    train(tiny(tmp_path, seed=1), environment=SHORT)
+    train(tiny(tmp_path, steps=64, seed=1), environment=SHORT)
 
 
 def test_fresh_leaves_logs_where_nothing_shows_a_run(tmp_path):
     log = tmp_path / "tensorboard" / "ppo_1" / "events.out.tfevents.0"
     log.parent.mkdir(parents=True)
     log.write_text(MINE)
-    train(tiny(tmp_path, fresh=True), environment=SHORT)
+    train(tiny(tmp_path, steps=64, fresh=True), environment=SHORT)
     assert log.read_text() == MINE

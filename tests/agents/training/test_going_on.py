@@ -15,21 +15,13 @@ pytest.importorskip("matplotlib")
 import torch
 from stable_baselines3 import PPO
 
-from coopenv import TransportConfig
 from coopenv.agents.sb3 import FallingRate
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
 from coopenv.agents.training.checkpoint import Checkpoint
 from coopenv.agents.training.progress import Progress, Watch, episode_means
 from coopenv.errors import InvalidInput
-
-SHORT = TransportConfig(horizon=8)
-
-
-def tiny(out: Path, **changes) -> TrainConfig:
-    """Four rollouts of 32 steps."""
-    given = {"steps": 128, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epochs": 1}
-    return TrainConfig(**{**given, "hidden": (8,), "out": out, **changes})
+from tests.agents.training.cases import SHORT, tiny
 
 
 def weights(model) -> dict[str, np.ndarray]:

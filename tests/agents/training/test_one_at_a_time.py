@@ -2,26 +2,16 @@
 
 import os
 import threading
-from pathlib import Path
 
 import pytest
 
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("matplotlib")
 
-from coopenv import TransportConfig
-from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
 from coopenv.errors import InvalidInput
 from coopenv.files import locked
-
-SHORT = TransportConfig(horizon=8)
-
-
-def tiny(out: Path, **changes) -> TrainConfig:
-    """Two rollouts of 32 steps."""
-    given = {"steps": 64, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epochs": 1}
-    return TrainConfig(**{**given, "hidden": (8,), "out": out, **changes})
+from tests.agents.training.cases import SHORT, tiny
 
 
 @pytest.mark.parametrize("fresh", [False, True])
@@ -30,7 +20,7 @@ def test_a_second_training_in_the_folder_is_refused_and_the_first_goes_on(fresh,
 
     def second():
         try:
-            train(tiny(tmp_path, fresh=fresh), environment=SHORT, tell=told.append)
+            train(tiny(tmp_path, steps=64, fresh=fresh), environment=SHORT, tell=told.append)
         except InvalidInput as error:
             told.append(error)
 
@@ -39,7 +29,7 @@ def test_a_second_training_in_the_folder_is_refused_and_the_first_goes_on(fresh,
         thread.start()
         thread.join()
 
-    policy = train(tiny(tmp_path), environment=SHORT, report=report)
+    policy = train(tiny(tmp_path, steps=64), environment=SHORT, report=report)
     assert policy.model.num_timesteps == 64
     assert len(told) == 2
     for error in told:
@@ -86,5 +76,5 @@ def test_a_training_removes_what_killed_ones_left_in_its_folder(tmp_path):
             os.kill(os.getpid(), 9)
     os.waitpid(child, 0)
     assert len(list(tmp_path.iterdir())) == 1
-    train(tiny(tmp_path), environment=SHORT)
+    train(tiny(tmp_path, steps=64), environment=SHORT)
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]

@@ -1,0 +1,79 @@
+"""Checks that the fields of an environment's description agree with each other."""
+
+from collections.abc import Iterable, Sequence
+from itertools import product
+
+from coopenv.arrays import FloatArray
+from coopenv.errors import InvalidInput
+from coopenv.physics.body import Body
+from coopenv.physics.scene import Scene
+from coopenv.randomisation import Ranges, Variations
+from coopenv.tasks import Task
+
+
+def check_team_size(bodies: Sequence[Body]) -> None:
+    """Raise `InvalidInput` unless all bodies have as many grips."""
+    counts = sorted({body.num_agents for body in bodies})
+    if len(counts) > 1:
+        raise InvalidInput(
+            f"body.grips must be as many in every world, got {counts}; "
+            "one batch holds teams of one size"
+        )
+
+
+def check_ranges(
+    ranges: Ranges,
+    task: Task,
+    bodies: Sequence[Body],
+    scenes: Sequence[Scene],
+    strengths: FloatArray,
+) -> None:
+    """Raise `InvalidInput` where the task cannot be done with what may be drawn.
+
+    ``strengths`` ``(agent, 2 or 8)`` are those of the team, as `TransportConfig.strengths` has them.
+    """
+    for body in set(bodies):
+        ranges.check(body)
+    for body, scene in _together(bodies, scenes):
+        for extreme in Variations(ranges, body, strengths).extremes():
+            try:
+                task.check(extreme, scene)
+            except InvalidInput as error:
+                raise InvalidInput(f"randomise must leave the task possible: {error}") from error
+
+
+def check_partner(
+    partner: object | None,
+    agents: Sequence[int] | None,
+    driven: Sequence[int],
+    num_agents: int,
+) -> None:
+    """Raise `InvalidInput` unless a partner drives some of the agents, but not all.
+
+    ``agents`` are those that were named for it, ``driven`` those that it drives then.
+    """
+    if partner is None and agents is not None:
+        raise InvalidInput(
+            f"partner_agents must come with a partner, got {agents} without; "
+            "pass for example partner='follower'"
+        )
+    if partner is not None and not 0 < len(driven) < num_agents:
+        raise InvalidInput(
+            f"partner_agents must name at least one of {num_agents} agents and leave at "
+            f"least one to learn, got {driven}; change them, or give body another grip"
+        )
+
+
+def check_task(task: Task, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
+    """Raise `InvalidInput` where the task cannot be done with a body in a scene."""
+    for body, scene in _together(bodies, scenes):
+        task.check(body, scene)
+
+
+def _together(bodies: Sequence[Body], scenes: Sequence[Scene]) -> set[tuple[Body, Scene]]:
+    """Which body is in which scene; with one of either for all worlds, all combinations."""
+    one_each = len(bodies) == len(scenes)
+    pairs: Iterable[tuple[Body, Scene]] = (
+        zip(bodies, scenes, strict=True) if one_each else product(bodies, scenes)
+    )
+    return set(pairs)
