@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coopenv import Body, Hands, Ranges, Scene, Transport
+from coopenv import Body, Hands, Ranges, Scene, Transport, TransportConfig
+from coopenv.agents.controllers import (
+    ImpedanceController,
+    RandomPolicy,
+    WalkerController,
+    find_controller,
+)
+from coopenv.envs.registry import find_config
+from coopenv.errors import InvalidInput
 from tests.helpers import NEVER, OPEN_ROOM, TRIO, actions, assert_same
 
 BY_HANDS = ("motion", "impedance")
@@ -225,3 +233,34 @@ def test_drawn_stiffness_and_damping_are_those_of_the_hands(action):
         spring = hands[..., [0, 0, 1]]
         energy = (spring * np.square(core.transition.stretch)).sum(axis=-1) / 2
         np.testing.assert_allclose(info["stored_energy"], energy, rtol=1e-12)
+
+
+@pytest.mark.parametrize("action", BY_HANDS)
+def test_whoever_gives_wrenches_says_so_where_hands_are_to_move(action):
+    """Not silently: a wrench in parts of the limits would be taken for a velocity."""
+    config = TransportConfig(action=action)
+    with pytest.raises(InvalidInput, match="action must be 'wrench', 'force' or 'discrete' for a"):
+        find_controller(config)
+    core = started(action=action)
+    assert core.transition is not None
+    with pytest.raises(InvalidInput, match=f"got '{action}'"):
+        ImpedanceController(config)(np.zeros((1, 2, 22)), core.transition)
+    walker = find_config("coopenv/WalkerTurn-v0", {"action": action})
+    with pytest.raises(InvalidInput, match=f"got '{action}'"):
+        WalkerController(walker)(np.zeros((1, 2, 22)), core.transition)
+    with pytest.raises(InvalidInput, match="for a policy as a partner"):
+        started(action=action, partner=RandomPolicy(config))
+
+
+@pytest.mark.parametrize("kind", ["leader", "follower", "walking", "load_sharing"])
+@pytest.mark.parametrize("action", BY_HANDS)
+def test_every_sort_of_scripted_partner_drives_beside_hands(action, kind):
+    core = started(2, action=action, partner=kind, scene=Scene(size=(10.0, 10.0)))
+    for push in actions(2, 15, 2, 1, core.action_size):
+        core.step(push)
+    assert core.transition is not None
+    team = core.team
+    given = core.transition.applied[:, 1]
+    assert np.isfinite(given).all()
+    assert (np.abs(given[:, 2]) <= team.limits[:, 1, 1] + 1e-12).all()
+    np.testing.assert_array_equal(core.transition.action[:, 1, 3:], 0.0)
