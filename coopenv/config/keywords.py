@@ -25,8 +25,8 @@ ELSEWHERE = {  # words that are no keyword of an environment -> where they belon
     **{
         entry.name: f"pass {name}={kind.__name__}({entry.name}=...)"
         for name, kind in (
+            ("hands", Hands),  # first: a task's field of the same name is meant oftener
             *(("task", kind) for kind in TASKS),
-            ("hands", Hands),
             ("scene", Scene),
             ("body", Body),
         )

@@ -60,7 +60,7 @@ def test_a_common_plan_loads_the_beam_less_the_slower_it_is():
         loads.append(float(info["internal_force_level"][0]))
         assert abs(core.world.twist[0, 2]) > 0.5 * speed / 0.9
     assert loads[1] < 0.3 * loads[0]
-    assert loads[0] < 0.01
+    assert loads[0] < 0.2  # references go ahead of the axes that their velocity is along
     core = started(hands=Hands(speed=0.1))
     info = after(core, np.array([[(0.6, 0.8, 0.0), (-0.6, -0.8, 0.0)]]), 60)
     assert float(info["internal_force_level"][0]) < 1e-9
