@@ -9,7 +9,7 @@ import numpy as np
 from coopenv.arrays import FloatArray, positive, whole
 from coopenv.config.agreement import check_partner, check_ranges, check_task, check_team_size
 from coopenv.config.document import document_of, fields_in
-from coopenv.config.hands import check_integrable, read_hands
+from coopenv.config.hands import check_integrable, hands_for
 from coopenv.config.keywords import (
     built,
     complete,
@@ -156,7 +156,8 @@ class TransportConfig:
         _set(self, "decomposition", built(self.decomposition, "decomposition", Settings))
         if self.randomise is not None:
             _set(self, "randomise", built(self.randomise, "randomise", Ranges))
-        _set(self, "hands", read_hands(self.hands, self.action, self.randomise))
+        hands = None if self.hands is None else built(self.hands, "hands", Hands)
+        _set(self, "hands", hands_for(self.action, hands, self.randomise))
         _set(self, "partner", read_partner(self.partner))
         self._read_team()
         self._check_agreement()

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from coopenv.arrays import FloatArray, Range
-from coopenv.config.keywords import built
 from coopenv.errors import InvalidInput
 from coopenv.physics.body import Body
 from coopenv.physics.hands import (
@@ -22,8 +21,10 @@ BY_HANDS = ("motion", "impedance")  # actions that hands carry out
 _DRAWN = ("stiffness", "damping")  # of ranges, those of hands
 
 
-def read_hands(value: object, action: str, ranges: Ranges | None) -> Hands | None:
-    """The hands of an environment with that ``action``; ``None`` where it has none.
+def hands_for(action: str, hands: Hands | None, ranges: Ranges | None) -> Hands | None:
+    """The hands of an environment with that ``action``, default ones if none are given.
+
+    ``None`` where no hands carry it out.
 
     Raises
     ------
@@ -31,9 +32,9 @@ def read_hands(value: object, action: str, ranges: Ranges | None) -> Hands | Non
         If hands, or ranges of theirs, are given beside an action that none carry out.
     """
     if action in BY_HANDS:
-        return Hands() if value is None else built(value, "hands", Hands)
+        return Hands() if hands is None else hands
     wanted = " or ".join(f"action={name!r}" for name in BY_HANDS)
-    if value is not None:
+    if hands is not None:
         raise InvalidInput(
             f"hands must come with {wanted}, got action={action!r}; pass one of them, or hands=None"
         )
