@@ -1,4 +1,4 @@
-"""Numbers of body, scene, task, ranges and reward weights in place of a configuration's own."""
+"""Numbers of body, scene, task, ranges, hands and reward weights in place of a configuration's."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -9,10 +9,11 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import toml
 from coopenv.physics.body import Body
+from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box
 from coopenv.randomisation import Ranges
 
-GROUPS = ("body", "scene", "task", "randomise", "weights")
+GROUPS = ("body", "scene", "task", "randomise", "hands", "weights")
 
 
 def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> TransportConfig:
@@ -40,6 +41,8 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
         values["body"] = _each(config.body, read["body"], "body")
     if "randomise" in read:
         values["randomise"] = _each(config.randomise or Ranges(), read["randomise"], "randomise")
+    if "hands" in read:
+        values["hands"] = _each(config.hands or Hands(), read["hands"], "hands")
     if "weights" in read:
         values["reward"] = config.terms.with_weights(**read["weights"])
     return replace(config, **values) if values else config

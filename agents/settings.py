@@ -48,8 +48,9 @@ class EnvironmentChoice:
     """Instead of observe: what an agent senses by itself, or the partners' senses too."""
     bounded: bool | None = None
     """Whether every feature has a finite bound, to which readings are clipped."""
-    action: Literal["wrench", "force", "discrete"] | None = None
-    """What an agent gives: forces and torque, forces alone, or the number of a push."""
+    action: Literal["wrench", "force", "discrete", "motion", "impedance"] | None = None
+    """What an agent gives: forces and torque, forces alone, the number of a push, the velocity of a
+    hand that gives way, or that and how stiff and damped the hand is."""
     pushes: str | None = None
     """Which pushes there are for discrete actions: axes, fine, compass, grid."""
     horizon: int | None = None
@@ -67,6 +68,8 @@ class EnvironmentChoice:
     """Of the task, its tolerances for example: position_tolerance=0.1."""
     randomise: tuple[str, ...] = ()
     """What every episode draws anew, lowest and highest: mass=[4,9]."""
+    hands: tuple[str, ...] = ()
+    """Of hands, with action motion or impedance: stiffness=200 speed=0.5."""
     weights: tuple[str, ...] = ()
     """Of the reward's terms: progress=5 relative_cost=0.3."""
 
@@ -93,6 +96,8 @@ class EnvironmentChoice:
             If the preset or a block does not exist, or does not go with the rest.
         """
         rest = {entry.name: getattr(config, entry.name) for entry in fields(config)}
+        if self.action not in (None, config.action):
+            rest["hands"] = None  # those of an action that is given up
         return self._changed(TransportConfig.parse(self._given(), rest))
 
     def _given(self) -> dict[str, Any]:

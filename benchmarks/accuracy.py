@@ -4,17 +4,19 @@ Free motion is integrated exactly whatever the number; only contacts depend on i
 default body are driven into the walls of the default room by two agents who push at their limits
 in random directions, changed every half second, and compared with the same run at many substeps.
 
-    python -m benchmarks.accuracy            # prints the table
+What hands that give way add to it is in `benchmarks.hands`.
+
+    python -m benchmarks.accuracy            # prints the tables
     python -m benchmarks.accuracy --write    # and writes docs/accuracy.md
 """
 
-import sys
 import time
 from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.pages import DOCS, fill
+from benchmarks import hands
+from benchmarks.pages import DOCS, show
 from coopenv import Body, Scene, TransportConfig
 from coopenv.arrays import FloatArray
 from coopenv.geometry.frames import rotated
@@ -106,11 +108,13 @@ def as_markdown(rows: list[Row]) -> str:
 
 
 def main() -> None:
-    """Print the table; with ``--write`` also put it on the page."""
-    text = as_markdown(table())
-    print(text)
-    if "--write" in sys.argv[1:]:
-        fill(PAGE, {"table": text})
+    """Print the tables; with ``--write`` also put them on the page."""
+    texts = {
+        "table": as_markdown(table()),
+        "hands": hands.substeps_table(),
+        "wrench of a step": hands.wrench_table(),
+    }
+    show(PAGE, texts)
 
 
 if __name__ == "__main__":

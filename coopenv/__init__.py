@@ -15,6 +15,7 @@ from coopenv.observation import BLOCKS, Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, Player, name_partners
 from coopenv.physics.body import Body
+from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box, Scene
 from coopenv.pushes import PUSHES
 from coopenv.randomisation import Ranges
@@ -41,6 +42,7 @@ __all__ = [
     "Box",
     "DoorwayTask",
     "Episode",
+    "Hands",
     "Partner",
     "Player",
     "Ranges",

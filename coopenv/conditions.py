@@ -10,6 +10,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, has_items, with_items, with_rows
 from coopenv.geometry import frames
 from coopenv.physics.body import Body
+from coopenv.physics.hands import DAMPING, STIFFNESS
 from coopenv.physics.scene import Scene
 from coopenv.wrench import Decomposer, Settings
 
@@ -21,23 +22,35 @@ class Team:
     grips: FloatArray  # (world, agent, 2), object frame [m]
     frame: FloatArray  # (world, agent, 2): see `coopenv.geometry.frames`
     limits: FloatArray  # (world, agent, 2): force [N] and torque [N·m] an action of 1 stands for
+    hands: FloatArray  # (world, agent, 6): `coopenv.Hands.table`; (world, agent, 0) without hands
     settings: Settings  # of the environment's own decomposition
     alike: bool  # whether every world has the same grips
     _decomposers: dict[Settings | None, Decomposer] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def build(cls, grips: FloatArray, limits: FloatArray, settings: Settings) -> "Team":
-        """A team from its grips and limits, ``(world, agent, 2)`` each."""
+    def build(cls, grips: FloatArray, strengths: FloatArray, settings: Settings) -> "Team":
+        """A team from grips and strengths, limits and then hands, ``(world, agent, …)`` each."""
+        limits, hands = _parted(strengths)
         return cls(
             grips=grips,
             frame=frames.agent_frames(grips),
             limits=limits,
+            hands=hands,
             settings=settings,
             alike=bool((grips == grips[:1]).all()),
         )
 
     def __reduce__(self):
-        return Team.build, (self.grips, self.limits, self.settings)  # compiled parts do not pickle
+        return Team.build, (
+            self.grips,
+            self.strengths,
+            self.settings,
+        )  # compiled parts do not pickle
+
+    @property
+    def strengths(self) -> FloatArray:
+        """``(world, agent, 2 or 8)``: limits, and what hands there are."""
+        return np.concatenate([self.limits, self.hands], axis=-1)
 
     @property
     def num_agents(self) -> int:
@@ -63,15 +76,22 @@ class Team:
             grips=self.grips[worlds],
             frame=self.frame[worlds],
             limits=self.limits[worlds],
+            hands=self.hands[worlds],
             _decomposers=self._decomposers if self.alike else {},
         )
 
-    def with_worlds(self, worlds: IntArray, grips: FloatArray, limits: FloatArray) -> "Team":
-        """A copy with the grips and limits of ``worlds`` replaced."""
-        limits = with_rows(self.limits, worlds, limits)
+    def with_worlds(self, worlds: IntArray, grips: FloatArray, strengths: FloatArray) -> "Team":
+        """A copy with the grips and strengths of ``worlds`` replaced."""
+        strengths = with_rows(self.strengths, worlds, strengths)
         if np.array_equal(self.grips[worlds], grips):
-            return replace(self, limits=limits)
-        return Team.build(with_rows(self.grips, worlds, grips), limits, self.settings)
+            limits, hands = _parted(strengths)
+            return replace(self, limits=limits, hands=hands)
+        return Team.build(with_rows(self.grips, worlds, grips), strengths, self.settings)
+
+
+def _parted(strengths: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Limits and hands, each in memory of its own."""
+    return strengths[..., :2].copy(), strengths[..., 2:].copy()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -139,8 +159,9 @@ class Conditions:
     def parameters(self) -> dict[str, FloatArray]:
         """What is carried and by how strong a team, by the names of `coopenv.Ranges`.
 
-        ``(world,)`` each; ``grips`` ``(world, agent, 2)`` in the object frame [m], limits
-        ``(world, agent)``. The arrays are the conditions' own.
+        ``(world,)`` each; ``grips`` ``(world, agent, 2)`` in the object frame [m], limits, and
+        where there are hands stiffness and damping, ``(world, agent)``. The arrays are the
+        conditions' own.
         """
         load, along = self.load, self.load.outline[..., 0]
         return {
@@ -153,7 +174,14 @@ class Conditions:
             "grips": self.team.grips,
             "force_limit": self.team.limits[..., 0],
             "torque_limit": self.team.limits[..., 1],
+            **self._hands(),
         }
+
+    def _hands(self) -> dict[str, FloatArray]:
+        hands = self.team.hands
+        if not hands.shape[-1]:
+            return {}
+        return {"stiffness": hands[..., STIFFNESS], "damping": hands[..., DAMPING]}
 
     def take(self, worlds: IntArray) -> "Conditions":
         """Only the given worlds."""
@@ -175,7 +203,7 @@ class Conditions:
         return {
             "bodies": [self.bodies[k] for k in chosen],
             "scenes": [self.scenes[k] for k in chosen],
-            "limits": self.team.limits[worlds],
+            "strengths": self.team.strengths[worlds],
             "plan": self.plan[worlds],
             "key": self.key[worlds],
         }
@@ -186,14 +214,14 @@ class Conditions:
         width = max(plan.shape[1], self.plan.shape[1])  # 0 before the first plan is drawn
         plan, plans = _widened(plan, width), _widened(self.plan, width)
         conditions = replace(conditions, plan=with_rows(plans, worlds, plan))
-        bodies, scenes, limits = state["bodies"], state["scenes"], state["limits"]
+        bodies, scenes, strengths = state["bodies"], state["scenes"], state["strengths"]
         if (
             has_items(self.bodies, worlds, bodies)
             and has_items(self.scenes, worlds, scenes)
-            and np.array_equal(self.team.limits[worlds], limits)
+            and np.array_equal(self.team.strengths[worlds], strengths)
         ):
             return conditions
-        return conditions.with_worlds(worlds, bodies, scenes, limits, plan)
+        return conditions.with_worlds(worlds, bodies, scenes, strengths, plan)
 
     def with_keys(self, worlds: IntArray, keys: npt.NDArray[np.uint64]) -> "Conditions":
         """A copy in which ``worlds`` have other keys."""
@@ -204,7 +232,7 @@ class Conditions:
         worlds: IntArray,
         bodies: Sequence[Body],
         scenes: Sequence[Scene],
-        limits: FloatArray,
+        strengths: FloatArray,
         plan: FloatArray,
     ) -> "Conditions":
         """A copy in which ``worlds`` hold new things, one entry of each argument a world."""
@@ -215,7 +243,7 @@ class Conditions:
             self,
             bodies=with_items(self.bodies, worlds, bodies),
             scenes=with_items(self.scenes, worlds, scenes),
-            team=self.team.with_worlds(worlds, grips, limits),
+            team=self.team.with_worlds(worlds, grips, strengths),
             load=_merged_rows(self.load, worlds, load),
             room=_merged_rows(self.room, worlds, room),
             plan=with_rows(self.plan, worlds, plan),

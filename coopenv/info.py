@@ -67,8 +67,9 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     ``torque_load_share_defined`` ``(world,)`` tell. The levels F_I [N] and T_I [N·m], γ, the wasted
     cost [N], ``success``, which is ``is_success`` too, ``contact_impulse`` [N·s] and
     ``contact_shift`` [m] are ``(world,)``, the last two as `coopenv.physics.motion.collect` has
-    them. ``reward/<term>`` is ``(world, agent)``. Where body and team are drawn anew in every
-    episode, ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).
+    them. With hands, ``stored_energy`` ``(world, agent)`` [J] is what their springs hold.
+    ``reward/<term>`` is ``(world, agent)``. Where body and team are drawn anew in every episode,
+    ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
     decomposition = transition.decomposition
     share = decomposition.share_or_even
@@ -88,6 +89,8 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         contact_impulse=transition.contact_impulse,
         contact_shift=transition.contact_shift,
     )
+    if transition.stored_energy is not None:
+        info["stored_energy"] = transition.stored_energy
     for name, part in parts.items():
         info[REWARD + name] = part
     if transition.conditions.randomised:

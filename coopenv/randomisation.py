@@ -13,9 +13,11 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.physics.body import LEAST, Body, Points, copied, second_moments
 
 _FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
-_LIMITS = ("force_limit", "torque_limit")
+# Columns of a team's strengths that are drawn, and of hands those that keep their share of one.
+_STRENGTHS = {"force_limit": 0, "torque_limit": 1, "stiffness": 2, "damping": 4}
+_SHARES = {"stiffness": 3, "damping": 5}
 _RIM = 1e-9  # [m²] edge by distance that counts as on the rim
-_MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction")
+_MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction", "damping")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +26,8 @@ class Ranges:
 
     Uniform, unless named in ``logarithmic``. What has no range stays as the body or the
     configuration has it; without one of its own, the moment of inertia keeps the body's share of
-    what mass and outline make of it.
+    what mass and outline make of it. Torque stiffness and torque damping of hands keep their
+    proportion to stiffness and damping.
 
     Raises
     ------
@@ -44,6 +47,8 @@ class Ranges:
     grips: tuple[Range, Range] | None = None
     force_limit: Range | None = None  # [N], each agent its own
     torque_limit: Range | None = None  # [N·m], each agent its own
+    stiffness: Range | None = None  # [N/m] of hands, each agent its own
+    damping: Range | None = None  # [N·s/m] of hands, each agent its own
     logarithmic: tuple[str, ...] = ()  # names of parameters that are drawn log-uniformly
 
     def __post_init__(self) -> None:
@@ -111,9 +116,10 @@ class Variations:
         From which is drawn.
     body
         What is varied.
-    limits
-        ``(agent, 2)``: force [N] and torque [N·m] an action of 1 stands for where nothing else is
-        drawn.
+    strengths
+        ``(agent, 2)`` or ``(agent, 8)``, where nothing else is drawn: force [N] and torque [N·m]
+        that agents give at most, and the table of their hands
+        (`coopenv.config.TransportConfig.strengths`).
 
     Attributes
     ----------
@@ -121,19 +127,21 @@ class Variations:
         How many numbers in [0, 1] make one variation.
     """
 
-    def __init__(self, ranges: Ranges, body: Body, limits: FloatArray):
-        self._body, self._limits = body, limits
+    def __init__(self, ranges: Ranges, body: Body, strengths: FloatArray):
+        self._body, self._strengths = body, strengths
         agents = range(body.num_agents)
         single = [name for name in (*_FIELDS, "length") if getattr(ranges, name) is not None]
         plan: list[tuple[str, int, Range]] = [(name, 0, getattr(ranges, name)) for name in single]
         if ranges.grips is not None:
             plan += [("grips", i, ends) for i in agents for ends in ranges.grips]
-        for name in _LIMITS:
-            ends = getattr(ranges, name)
-            plan += [(name, i, ends) for i in agents if ends is not None]
+        self._drawn = [
+            name
+            for name, column in _STRENGTHS.items()
+            if column < strengths.shape[1] and getattr(ranges, name) is not None
+        ]
+        plan += [(name, i, getattr(ranges, name)) for name in self._drawn for i in agents]
         self.count = len(plan)
         self._single, self._moves_grips = single, ranges.grips is not None
-        self._columns = [column for column, name in enumerate(_LIMITS) if getattr(ranges, name)]
         self._ends = [ends for *_, ends in plan]
         self._logs = [
             (log(ends[0]), log(ends[1])) if name in ranges.logarithmic else None
@@ -142,7 +150,7 @@ class Variations:
         self._moments = second_moments(body.outline)
 
     def __call__(self, fractions: Sequence[float]) -> tuple[Body, FloatArray]:
-        """The body and the limits ``(agent, 2)`` that `count` numbers in [0, 1] stand for."""
+        """The body and the strengths ``(agent, …)`` that `count` numbers in [0, 1] stand for."""
         numbers = [
             _drawn(ends, fraction, logs)
             for ends, fraction, logs in zip(self._ends, fractions, self._logs, strict=True)
@@ -157,13 +165,21 @@ class Variations:
                 for i, (x, y) in enumerate(grips)
             )
             rest = rest[2 * num_agents :]
-        limits = self._limits.copy()
-        for number, column in enumerate(self._columns):
-            limits[:, column] = rest[number * num_agents : (number + 1) * num_agents]
-        return copied(self._body, values), limits
+        strengths = self._strengths.copy()
+        for number, name in enumerate(self._drawn):
+            column = _STRENGTHS[name]
+            strengths[:, column] = rest[number * num_agents : (number + 1) * num_agents]
+            if name in _SHARES:
+                strengths[:, _SHARES[name]] *= self._grown(strengths, column)
+        return copied(self._body, values), strengths
+
+    def _grown(self, strengths: FloatArray, column: int) -> FloatArray:
+        """``(agent,)``: the factor by which a column was drawn larger; 1 where it was zero."""
+        own = self._strengths[:, column]
+        return np.where(own > 0, strengths[:, column] / np.where(own > 0, own, 1.0), 1.0)
 
     def ends(self) -> tuple[tuple[Body, FloatArray], tuple[Body, FloatArray]]:
-        """Body and limits with everything at its lowest, and with everything at its highest."""
+        """Body and strengths with everything at its lowest, and with everything at its highest."""
         return self([0.0] * self.count), self([1.0] * self.count)
 
     def extremes(self) -> tuple[Body, Body]:

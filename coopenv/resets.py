@@ -147,7 +147,7 @@ class Draws:
     def __init__(self, config: TransportConfig, num_worlds: int):
         self._task = config.task
         self._bodies, self.scenes = config.bodies(num_worlds), config.scenes(num_worlds)
-        self._limits = np.repeat(config.limits()[None], num_worlds, axis=0)
+        self._strengths = np.repeat(config.strengths()[None], num_worlds, axis=0)
         self._settings = config.decomposition
         self._own_boxes = self._task.max_obstacles
         self._told = self._told_by(config)
@@ -165,7 +165,7 @@ class Draws:
         return Conditions(
             bodies=bodies,
             scenes=scenes,
-            team=Team.build(np.array([b.grips for b in bodies]), self._limits, self._settings),
+            team=Team.build(np.array([b.grips for b in bodies]), self._strengths, self._settings),
             load=Load.of(bodies, max(len(body.outline) for body in bodies)),
             room=Room.of(scenes, capacity),
             task=self._task,
@@ -198,7 +198,7 @@ class Draws:
                 worlds,
                 bodies=[body for body, _ in carried],
                 scenes=[self._furnished(k, e) for k, e in zip(chosen, episodes, strict=True)],
-                limits=np.array([limits for _, limits in carried]),
+                strengths=np.array([strengths for _, strengths in carried]),
                 plan=plan,
             )
         if self._needs_keys and chosen:  # last: other draws do not depend on it
@@ -206,10 +206,10 @@ class Draws:
         return conditions, start, goal
 
     def _carried(self, generator: np.random.Generator | None, k: int) -> tuple[Body, FloatArray]:
-        """The body of world ``k``'s next episode, and the team's limits ``(agent, 2)``."""
-        body, limits = self._bodies[k], self._limits[k]
+        """The body of world ``k``'s next episode, and the team's strengths ``(agent, 2 or 8)``."""
+        body, strengths = self._bodies[k], self._strengths[k]
         if not self._variations:
-            return body, limits
+            return body, strengths
         assert generator is not None
         variations = self._variations[body]
         return variations(generator.random(variations.count).tolist())
@@ -245,7 +245,8 @@ class Draws:
         """
         if config.randomise is None:
             return {}
-        varied = {b: Variations(config.randomise, b, config.limits()) for b in set(self._bodies)}
+        strengths = config.strengths()
+        varied = {b: Variations(config.randomise, b, strengths) for b in set(self._bodies)}
         grips = [body.grips for each in varied.values() for body in each.samples()]
         try:
             Decomposer(grips, config.decomposition)

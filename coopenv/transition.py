@@ -27,8 +27,10 @@ class State:
 class Transition:
     """One control step of every world, from ``state`` to ``next_state``.
 
-    Wrenches are in the object frame, which is also the frame they were held in. After a reset,
-    ``state`` is ``next_state`` and nothing was applied.
+    Wrenches are in the object frame, which is also the frame they were held in. What hands gave
+    changes within the step: ``applied`` is its mean over the substeps. ``stretch``, ``felt_wrench``
+    and ``stored_energy`` are of hands and as they are at the end; ``None`` without hands. After a
+    reset, ``state`` is ``next_state`` and nothing was applied.
     """
 
     state: State
@@ -44,6 +46,9 @@ class Transition:
     truncated: BoolArray  # (world,)
     dt: float  # [s]
     horizon: int  # control steps in an episode
+    stretch: FloatArray | None = None  # (world, agent, 3) grip to reference, object frame [m, rad]
+    felt_wrench: FloatArray | None = None  # (world, agent, 3) at the end, object frame [N, N·m]
+    stored_energy: FloatArray | None = None  # (world, agent) in springs [J]
     _decompositions: dict[Settings, Decomposition] = field(
         init=False, default_factory=dict, repr=False
     )
@@ -54,6 +59,7 @@ class Transition:
         cls, state: State, conditions: Conditions, *, action_size: int, dt: float, horizon: int
     ) -> "Transition":
         """The transition at the start of an episode, which led to nothing yet."""
+        hands = conditions.team.hands.shape[-1] > 0
         count, num_agents = conditions.team.grips.shape[:2]
         action = np.zeros((count, num_agents, action_size))
         no = np.zeros(count, dtype=np.bool_)
@@ -71,6 +77,9 @@ class Transition:
             truncated=no,
             dt=dt,
             horizon=horizon,
+            stretch=np.zeros((count, num_agents, 3)) if hands else None,
+            felt_wrench=np.zeros((count, num_agents, 3)) if hands else None,
+            stored_energy=np.zeros((count, num_agents)) if hands else None,
         )
 
     @classmethod

@@ -11,11 +11,11 @@ VIEWS = ("env", "parallel_env", "single_env", "vector_env")
 
 NAMES: dict[str, tuple[str, ...]] = {
     "coopenv": (
-        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "PUSHES", "Partner", "Player",
-        "Ranges", "Reference", "Scene", "Sensor", "Snapshot", "State", "Task", "TrackingTask",
-        "Transition", "Transport", "TransportConfig", "TransportTask", "WalkerAvoidTask",
-        "WalkerTurnTask", "__version__", "beam_doorway_v0", "beam_tracking_v0",
-        "beam_transport_v0", "register", "rewards",
+        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Hands", "PUSHES", "Partner",
+        "Player", "Ranges", "Reference", "Scene", "Sensor", "Snapshot", "State", "Task",
+        "TrackingTask", "Transition", "Transport", "TransportConfig", "TransportTask",
+        "WalkerAvoidTask", "WalkerTurnTask", "__version__", "beam_doorway_v0",
+        "beam_tracking_v0", "beam_transport_v0", "register", "rewards",
         "walker_avoid_v0", "walker_turn_v0", "wrench",
     ),
     "coopenv.agents.controllers": (

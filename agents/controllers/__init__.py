@@ -11,6 +11,7 @@ from .doorway import DoorwayController
 from .impedance import Gains, ImpedanceController, approach, wrapped
 from .tracking import TrackingController
 from .walker import WalkerController
+from .wrenches import require_wrenches
 
 __all__ = [
     "CONTROLLERS",
@@ -22,6 +23,7 @@ __all__ = [
     "WalkerController",
     "approach",
     "find_controller",
+    "find_guide",
     "wrapped",
 ]
 
@@ -43,8 +45,14 @@ def find_controller(
     UnknownName
         If the method of allocation does not exist.
     InvalidInput
-        If the controller does not take an option.
+        If the controller does not take an option, or hands carry out the actions.
     """
+    require_wrenches(config, "a scripted controller")
+    return find_guide(config, **options)
+
+
+def find_guide(config: TransportConfig, **options: Any) -> ImpedanceController | WalkerController:
+    """`find_controller` for the way that it knows alone, whatever kind the actions are of."""
     kind = next(
         (kind for task, kind in CONTROLLERS.items() if isinstance(config.task, task)),
         ImpedanceController,

@@ -16,6 +16,7 @@ from coopenv.wrench import allocate
 from coopenv.wrench.methods.pseudoinverse import ALLOCATIONS
 
 from .guidance import Gains, gains_row, wanted_twists
+from .wrenches import require_wrenches
 
 __all__ = ["Gains", "ImpedanceController", "approach", "wrapped"]
 
@@ -77,6 +78,7 @@ class ImpedanceController:
 
         Where actions are discrete, the numbers ``(world, learner)`` of the nearest pushes.
         """
+        require_wrenches(self.config, "a scripted controller")
         team = transition.team
         applied = allocate(
             self.object_wrench(transition),

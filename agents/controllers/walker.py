@@ -18,6 +18,8 @@ from coopenv.physics.body import Body
 from coopenv.pushes import nearest
 from coopenv.transition import Transition
 
+from .wrenches import require_wrenches
+
 _WALLS = np.array(WALLS)
 
 
@@ -137,6 +139,7 @@ class WalkerController:
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, learner, action_size)``, or numbers of the nearest pushes."""
+        require_wrenches(self.config, "a scripted controller")
         return self._actions(self.applied(transition), transition)
 
     def applied(self, transition: Transition) -> FloatArray:

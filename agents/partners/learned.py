@@ -22,6 +22,7 @@ from coopenv.partner import Generators
 from coopenv.pushes import check_numbers, push_numbers
 from coopenv.transition import Transition
 
+from ..controllers.wrenches import require_wrenches
 from ..policy import Freezable, Resettable, Seat, Seatable, Seedable, Stateful, forget
 
 _ACTIONS = "actions of the partner's policy"
@@ -181,6 +182,7 @@ class PolicyPlayer:
     def __init__(
         self, seat: Seat, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ):
+        require_wrenches(config, "a policy as a partner")
         self._policy, self._seen = seat.policy, list(seat.agents)
         self._driven, self._table = list(agents), seat.table
         self._width = ACTIONS[config.action]

@@ -60,7 +60,7 @@ class Person:
         self, what: Kind, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ):
         self.what, self._config, self._dt = what, config, config.dt
-        self._width, self._driven = ACTIONS[config.action], np.array(agents)
+        self._width, self._driven = min(ACTIONS[config.action], 3), np.array(agents)
         self._mind = Mind(
             traits=np.zeros((num_worlds, 2, traits.NUM_TRAITS)),
             keys=np.zeros(num_worlds, dtype=np.uint64),

@@ -6,7 +6,7 @@ from coopenv.arrays import FloatArray
 from coopenv.config import TransportConfig
 from coopenv.transition import Transition
 
-from ..controllers import find_controller
+from ..controllers import find_guide
 from ..controllers.guidance import Gains
 from ..controllers.walker import WalkerController, WalkerGains
 
@@ -21,7 +21,7 @@ class Way:
     ----------
     config
         Of the environment; its task's controller knows the way
-        (`coopenv.agents.controllers.find_controller`).
+        (`coopenv.agents.controllers.find_guide`).
 
     Raises
     ------
@@ -30,8 +30,8 @@ class Way:
     """
 
     def __init__(self, config: TransportConfig):
-        gains = _WHEELS if isinstance(find_controller(config), WalkerController) else PACE
-        self._controller = find_controller(config, gains=gains)
+        gains = _WHEELS if isinstance(find_guide(config), WalkerController) else PACE
+        self._controller = find_guide(config, gains=gains)
 
     def ahead(self, transition: Transition, goal: FloatArray) -> FloatArray:
         """Where who walks at `PACE` wants the object next, ``(world, 3)``, on its way to ``goal``.

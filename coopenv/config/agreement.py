@@ -26,16 +26,16 @@ def check_ranges(
     task: Task,
     bodies: Sequence[Body],
     scenes: Sequence[Scene],
-    limits: FloatArray,
+    strengths: FloatArray,
 ) -> None:
     """Raise `InvalidInput` where the task cannot be done with what may be drawn.
 
-    ``limits`` ``(agent, 2)`` are force [N] and torque [N·m] that an action of 1 stands for.
+    ``strengths`` ``(agent, 2 or 8)`` are those of the team, from `TransportConfig.strengths`.
     """
     for body in set(bodies):
         ranges.check(body)
     for body, scene in _together(bodies, scenes):
-        for extreme in Variations(ranges, body, limits).extremes():
+        for extreme in Variations(ranges, body, strengths).extremes():
             try:
                 task.check(extreme, scene)
             except InvalidInput as error:

@@ -9,6 +9,7 @@ import numpy as np
 from coopenv.arrays import FloatArray, positive, whole
 from coopenv.config.agreement import check_partner, check_ranges, check_task, check_team_size
 from coopenv.config.document import document_of, fields_in
+from coopenv.config.hands import check_integrable, hands_for
 from coopenv.config.keywords import (
     built,
     complete,
@@ -26,6 +27,7 @@ from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.observation.bounds import Bounds
 from coopenv.partner import Partner
 from coopenv.physics.body import Body
+from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Scene
 from coopenv.pushes import read_pushes, table_of
 from coopenv.randomisation import Ranges
@@ -33,7 +35,8 @@ from coopenv.rewards import RewardSum, find_cost, find_reward
 from coopenv.tasks import Task, TransportTask
 from coopenv.wrench import Settings
 
-ACTIONS = {"wrench": 3, "force": 2, "discrete": 3}  # name -> numbers of an agent's push
+# name -> numbers of an agent's action
+ACTIONS = {"wrench": 3, "force": 2, "discrete": 3, "motion": 3, "impedance": 5}
 
 LONGEST_HORIZON = 10**9  # [control steps]
 STEPS = 1e-9, 1e4  # [s], shortest and longest
@@ -69,16 +72,22 @@ class TransportConfig:
         horizon. A reading beyond it is clipped, and ``info["observation_clipped"]`` says so.
     action
         ``"wrench"`` (fx, fy, tz) or ``"force"`` (fx, fy), each in [−1, 1], agent frame; or
-        ``"discrete"``, the number of one of ``pushes``.
+        ``"discrete"``, the number of one of ``pushes``. ``"motion"`` (vx, vy, ω) moves a hand that
+        holds its grip through springs and dampers, and ``"impedance"`` has two numbers more, how
+        stiff and how damped they are in this step.
     pushes
         What an agent can choose from if its actions are discrete: the name of a table in
         `coopenv.pushes.PUSHES`, or rows (fx, fy, tz) in [−1, 1], agent frame.
+    hands
+        Springs and dampers with ``action="motion"`` or ``"impedance"``, a `Hands`; ``None``: the
+        default ones, if there are to be any.
     force_limit, torque_limit
-        What an action of 1 stands for, one number or one an agent.
+        What an action of 1 stands for, one number or one an agent; and the most that hands give.
     horizon
         Control steps after which an episode is truncated.
     dt
-        Control step [s]; the wrench is held in the object frame over it.
+        Control step [s]; the wrench is held in the object frame over it, the velocity of a hand in
+        the world.
     substeps
         Physics steps in a control step (`docs/accuracy.md` has the table behind the default).
     decomposition
@@ -115,6 +124,7 @@ class TransportConfig:
     bounded: bool = False
     action: str = "wrench"
     pushes: Sequence[Sequence[float]] | str = "axes"
+    hands: Hands | None = None
     force_limit: float | Sequence[float] = 10.0  # [N]
     torque_limit: float | Sequence[float] = 5.0  # [N·m]
     horizon: int = 200  # [control steps]
@@ -146,6 +156,8 @@ class TransportConfig:
         _set(self, "decomposition", built(self.decomposition, "decomposition", Settings))
         if self.randomise is not None:
             _set(self, "randomise", built(self.randomise, "randomise", Ranges))
+        hands = None if self.hands is None else built(self.hands, "hands", Hands)
+        _set(self, "hands", hands_for(self.action, hands, self.randomise))
         _set(self, "partner", read_partner(self.partner))
         self._read_team()
         self._check_agreement()
@@ -235,6 +247,12 @@ class TransportConfig:
         limits[:, 0], limits[:, 1] = self.force_limit, self.torque_limit
         return limits
 
+    def strengths(self) -> FloatArray:
+        """``(agent, 2)``: `limits`; with hands ``(agent, 8)``, their `coopenv.Hands.table` too."""
+        if self.hands is None:
+            return self.limits()
+        return np.concatenate([self.limits(), self.hands.table(self.num_agents)], axis=1)
+
     @property
     def terms(self) -> RewardSum:
         """The reward as a sum of named terms, in whichever form it was given."""
@@ -269,8 +287,20 @@ class TransportConfig:
     def _check_agreement(self) -> None:
         """Raise where fields that are right by themselves do not go together."""
         bodies, scenes, count = _each(self.body), _each(self.scene), self.num_agents
+        if self.hands is not None:
+            self.hands.check(count)
         if self.randomise is not None:
-            check_ranges(self.randomise, self.task, bodies, scenes, self.limits())
+            check_ranges(self.randomise, self.task, bodies, scenes, self.strengths())
+        if self.hands is not None:
+            check_integrable(
+                self.hands,
+                self.action,
+                list(dict.fromkeys(bodies)),
+                self.strengths(),
+                self.randomise,
+                self.dt,
+                self.substeps,
+            )
         read_agents(self.driven, "partner_agents of the task", count)
         check_partner(self.partner, self.partner_agents, self.driven, count)
         check_task(self.task, bodies, scenes)

@@ -15,6 +15,7 @@ from coopenv.observation.block import Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, named_partner
 from coopenv.physics.body import Body
+from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box, Scene
 from coopenv.tasks import TASKS, Task, TransportTask
 
@@ -23,7 +24,12 @@ ALIASES = ("max_episode_steps", "max_cycles")  # of the horizon: Gymnasium's wor
 ELSEWHERE = {  # words that are no keyword of an environment -> where they belong
     **{
         entry.name: f"pass {name}={kind.__name__}({entry.name}=...)"
-        for name, kind in (*(("task", kind) for kind in TASKS), ("scene", Scene), ("body", Body))
+        for name, kind in (
+            ("hands", Hands),  # first: a task's field of the same name is meant oftener
+            *(("task", kind) for kind in TASKS),
+            ("scene", Scene),
+            ("body", Body),
+        )
         for entry in fields(kind)
     },
     **dict.fromkeys(

@@ -8,6 +8,7 @@ from coopenv import rewards
 from coopenv.errors import UnknownName
 from coopenv.observation import Block, EachOther, RangeReading, Sensor, ranges
 from coopenv.physics.body import Body
+from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box, Scene
 from coopenv.randomisation import Ranges
 from coopenv.tasks import TASKS, Reference
@@ -28,7 +29,10 @@ def dataclasses_of(face: str, names: Iterable[str], scope: Mapping[str, Any]) ->
 
 
 _kinds: dict[str, Maker] = {
-    **{f"coopenv.{kind.__name__}": kind for kind in (*TASKS, Body, Box, Scene, Ranges, Reference)},
+    **{
+        f"coopenv.{kind.__name__}": kind
+        for kind in (*TASKS, Body, Box, Hands, Scene, Ranges, Reference)
+    },
     "coopenv.Block": Block,
     "coopenv.Sensor": Sensor,
     "coopenv.observation.EachOther": EachOther,

@@ -188,14 +188,25 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
             dx, dy, turn, vx, vy, spin = roll(table, k, motion)
         else:
             dx, dy, turn, vx, vy, spin = advance(table, k, motion)
-        at, mean_x, mean_y, mean_spin = rows[k], dx / step, dy / step, turn / step
-        command[at, 0], command[at, 1], command[at, 2] = mean_x, mean_y, mean_spin
-        command[at, 3] = table[k, MASS] * (vx - mean_x) / step
-        command[at, 4] = table[k, MASS] * (vy - mean_y) / step
-        command[at, 5] = table[k, INERTIA] * (spin - mean_spin) / step
-        expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
-        expected[k, 3], expected[k, 4] = pose[k, 0] + dx, pose[k, 1] + dy
-        expected[k, 5] = pose[k, 2] + turn
+        free = dx, dy, turn, vx, vy, spin
+        command_to(table, k, rows[k], pose, step, free, command, expected)
+
+
+@inlined
+def command_to(table, k, at, pose, step, free, command, expected):
+    """Write into row ``at`` of pymunk's buffer what brings world ``k``'s body where ``free`` says.
+
+    ``free`` is as `advance` returns it; see `drive`.
+    """
+    dx, dy, turn, vx, vy, spin = free
+    mean_x, mean_y, mean_spin = dx / step, dy / step, turn / step
+    command[at, 0], command[at, 1], command[at, 2] = mean_x, mean_y, mean_spin
+    command[at, 3] = table[k, MASS] * (vx - mean_x) / step
+    command[at, 4] = table[k, MASS] * (vy - mean_y) / step
+    command[at, 5] = table[k, INERTIA] * (spin - mean_spin) / step
+    expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
+    expected[k, 3], expected[k, 4] = pose[k, 0] + dx, pose[k, 1] + dy
+    expected[k, 5] = pose[k, 2] + turn
 
 
 @compiled

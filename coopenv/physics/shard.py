@@ -12,7 +12,7 @@ import pymunk.batch as batch
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import BodyLost
-from coopenv.physics import motion
+from coopenv.physics import compliance, motion
 from coopenv.physics.body import Body
 from coopenv.physics.scene import WALL_THICKNESS, Scene
 
@@ -107,14 +107,15 @@ class Shard:
 
     def step(
         self,
-        before: tuple[FloatArray, ...],
+        start: tuple[FloatArray, ...],
+        under: tuple[FloatArray, ...],
         reached: tuple[FloatArray, ...],
         substeps: int,
     ) -> None:
         """Go on from pose and twist under a wrench; writes pose, twist, impulse and shift."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        pose, wrench, buffers = reached[0], before[2], (self._report, self._command)
-        motion.drive(rows, table, *before, substep, self._command, expected)
+        pose, (wrench,), buffers = reached[0], under, (self._report, self._command)
+        motion.drive(rows, table, *start, wrench, substep, self._command, expected)
         for _ in range(substeps - 1):
             self._move()
             lost = motion.collect_and_drive(
@@ -124,6 +125,28 @@ class Shard:
         self._move()
         lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
         self._check_held(lost, pose)
+
+    def hold(
+        self,
+        start: tuple[FloatArray, ...],
+        hands: tuple[FloatArray, ...],
+        reached: tuple[FloatArray, ...],
+        substeps: int,
+    ) -> None:
+        """`step` under what hands give, the arrays of a `coopenv.physics.compliance.Hold`."""
+        rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
+        pose, share, buffers = reached[0], 1 / substeps, (self._report, self._command)
+        compliance.hold(rows, table, *start, hands, substep, share, self._command, expected)
+        for _ in range(substeps - 1):
+            self._move()
+            lost = compliance.collect_and_hold(
+                rows, table, self._rooms, buffers, expected, reached, hands, substep, share
+            )
+            self._check_held(lost, pose)
+        self._move()
+        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
+        self._check_held(lost, pose)
+        compliance.feel(*reached[:2], hands)
 
     def _move(self) -> None:
         """Let pymunk read the commands, step, and report."""

@@ -1,12 +1,13 @@
 """World: batches of bodies in rooms, a shard of them in each pymunk space."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray, has_items, with_items
 from coopenv.errors import InvalidInput
 from coopenv.physics.body import Body
+from coopenv.physics.compliance import Hold
 from coopenv.physics.scene import Scene
 from coopenv.physics.shard import Shard, Space
 from coopenv.physics.threads import side_by_side
@@ -163,19 +164,34 @@ class World:
         BodyLost
             If a body is too fast for its substeps and got through a wall.
         """
-        before = self.pose, self.twist, wrench
+        self._advance(Shard.step, (wrench,))
+
+    def hold(self, hands: Hold) -> None:
+        """`step` under what hands give in place of a wrench; their references go on too.
+
+        Parameters
+        ----------
+        hands
+            Its ``applied`` has to be zero, and becomes the mean wrench; ``reference`` is changed in
+            place, and ``stretch``, ``felt`` and ``energy`` are written.
+        """
+        self._advance(Shard.hold, tuple(hands))
+
+    def _advance(self, shard_step: Callable[..., None], under: tuple[FloatArray, ...]) -> None:
+        """Step every shard ``under`` what its worlds are moved by, one row a world."""
+        start = self.pose, self.twist
         self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
         self.contact_shift = np.zeros(self.num_worlds)
         reached = self.pose, self.twist, self.contact_impulse, self.contact_shift
         if len(self._shards) == 1:  # as below, without slicing, which one world would feel
-            self._shards[0].step(before, reached, self.substeps)
+            shard_step(self._shards[0], start, under, reached, self.substeps)
             return
 
         def advance(number: int) -> None:
             part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)
-            own = tuple(array[part] for array in before), tuple(array[part] for array in reached)
-            self._shards[number].step(*own, self.substeps)
+            own = [tuple(array[part] for array in arrays) for arrays in (start, under, reached)]
+            shard_step(self._shards[number], *own, self.substeps)
 
         # pymunk and the compiled kernels release the interpreter lock, so shards run in parallel.
         side_by_side(advance, len(self._shards))

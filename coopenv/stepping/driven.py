@@ -212,8 +212,10 @@ def _joint(action, wrench, learners, driven, frame, limits):
                 frame[k, i, 0], frame[k, i, 1], limits[k, i, 0], limits[k, i, 1], x, y, torque
             )
             joint[k, i, 0], joint[k, i, 1] = along, across
-            if width == 3:
+            if width >= 3:
                 joint[k, i, 2] = turning
+            for j in range(3, width):
+                joint[k, i, j] = 0.0
             finite = finite and np.isfinite(x + y + torque)
     return joint, finite
 

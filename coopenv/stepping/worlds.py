@@ -20,9 +20,9 @@ from coopenv.pushes import pushed
 from coopenv.resets import Draws
 from coopenv.snapshot import generator_states, put_generators, take_rows
 from coopenv.stepping.driven import driven_agents, read_action
+from coopenv.stepping.handling import handling_of
 from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
-from coopenv.wrench.grasp import sum_at_centre
 
 MOST_WORLDS = 10**6  # more take hours to make, and more memory than there is
 
@@ -65,6 +65,7 @@ class SteppedWorlds:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
+        self.handling = handling_of(self.config, self.num_worlds)
         self.driven = driven_agents(self.config, self.num_worlds)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
@@ -117,6 +118,7 @@ class SteppedWorlds:
         return {
             "conditions": self.conditions.get_state(worlds),
             "world": self.world.get_state(worlds),
+            "handling": self.handling.get_state(worlds),
             "episodes": self._episodes.get_state(worlds),
             "transition": self.transition.get_state(worlds),
             "partner": self.driven.get_state(worlds),
@@ -133,6 +135,7 @@ class SteppedWorlds:
         before, self.transition = self.transition, None  # until this is done, no step may follow
         self.conditions = self.conditions.with_state(parts["conditions"], worlds)
         self.world.set_state(parts["world"], worlds, bodies, scenes, anew=before is None)
+        self.handling.set_state(parts["handling"], worlds)
         self._episodes.set_state(parts["episodes"], worlds)
         self.driven.set_state(parts["partner"], worlds)
         self.observation.set_state(parts["observation"], worlds)
@@ -155,18 +158,18 @@ class SteppedWorlds:
     ) -> tuple[FloatArray, BoolArray, BoolArray]:
         """Go on by one control step; rewards ``(world, learner)``, terminated and truncated."""
         before = self._running(restart)
-        clipped, applied = self._applied(action, before, restart)
+        joint = self._joint(action, before, restart)
         self.transition = None  # from the middle of a step no episode goes on
-        self.world.step(sum_at_centre(applied, self.team.grips))
+        given = self.handling.move(self.world, joint, self.team)
         next_state = self._state(before.next_state.goal, self._episodes.tick())
         success, truncated = self._episodes.judge(self.conditions, next_state)
         self.transition = transition = Transition.of_step(
             state=before.next_state,
             next_state=next_state,
             conditions=self.conditions,
-            action=clipped,
+            action=given.action,
             previous_action=before.action,
-            applied=applied,
+            applied=given.applied,
             contact_impulse=self.world.contact_impulse,
             contact_shift=self.world.contact_shift,
             success=success,
@@ -174,6 +177,9 @@ class SteppedWorlds:
             truncated=truncated,
             dt=self.dt,
             horizon=self.horizon,
+            stretch=given.stretch,
+            felt_wrench=given.felt_wrench,
+            stored_energy=given.stored_energy,
         )
         driven = self.driven
         reward, parts = self.reward(transition)
@@ -200,16 +206,15 @@ class SteppedWorlds:
         self._episodes.check_running(restart)
         return self.transition
 
-    def _applied(
+    def _joint(
         self, action: npt.ArrayLike, before: Transition, restart: BoolArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Clipped actions of all agents, and the wrenches in the object frame they stand for."""
+    ) -> FloatArray:
+        """Actions of all agents ``(world, agent, a)``, finite."""
         if self.table is None:
             given = read_action(action, self.action_shape, restart)
         else:
             given = pushed(action, self.action_shape, self.table, restart)
-        joint = self.driven.joint(given, before, restart)
-        return frames.wrenches_from_actions(joint, self.team.frame, self.team.limits)
+        return self.driven.joint(given, before, restart)
 
     def _state(self, goal: FloatArray, time: FloatArray) -> State:
         task, plan = self._task, self.conditions.plan
@@ -229,6 +234,7 @@ class SteppedWorlds:
         if self._draws.changing:
             self.world.furnish(worlds, conditions.bodies, conditions.scenes)
         self.world.place(worlds, pose)
+        self.handling.begin(worlds, pose, conditions.team)
         self._episodes.begin(worlds)
         pose, goal = frames.wrap_pose(pose), frames.wrap_pose(goal)
         state = State(

@@ -155,6 +155,8 @@ def test_only_what_is_named_changes():
     assert beam.task.position_tolerance == 0.2
     assert beam.task.clearance == plain.task.clearance
     assert choice("--randomise", "mass=[4, 9]").randomise.mass == (4.0, 9.0)
+    hands = choice("--action", "motion", "--hands", "stiffness=[80, 90]", "speed=0.5").hands
+    assert (hands.stiffness, hands.speed, hands.damping) == ((80.0, 90.0), 0.5, 30.0)
     box = choice("--scene", "obstacles=[{center = [0, 1], size = [0.1, 0.1]}]").scene.obstacles[0]
     assert (box.center, box.size) == ((0.0, 1.0), (0.1, 0.1))
 
@@ -168,6 +170,7 @@ def test_only_what_is_named_changes():
         (("--body", "mass=-1"), "body.mass must be positive"),
         (("--weights", "squeeze=1"), "reward term must be one of the known names"),
         (("--task", "clearence=1"), "did you mean 'clearance'"),
+        (("--hands", "stiffness=80"), "hands must come with action='motion'"),
     ],
 )
 def test_a_wrong_number_is_named(options, says, capsys):

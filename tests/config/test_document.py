@@ -14,6 +14,7 @@ from coopenv import (
     Body,
     Box,
     DoorwayTask,
+    Hands,
     Ranges,
     Reference,
     Scene,
@@ -90,6 +91,11 @@ CASES: dict[str, dict[str, Any]] = {
         )
     },
     "limits": {"force_limit": (5, 10), "torque_limit": 3, "informed": (), "sensing": "shared"},
+    "hands": {
+        "action": "impedance",
+        "hands": Hands(stiffness=(80, 120.5), turn_rate=2, damping_factors=(0.5, 1)),
+        "randomise": Ranges(stiffness=(50, 100), damping=(0, 9), logarithmic=("stiffness",)),
+    },
     "ranges": {
         "randomise": Ranges(
             mass=(3, 9), grips=((-0.05, 0.05), (0.0, 0.0)), length=(1.5, 2), logarithmic=("mass",)
