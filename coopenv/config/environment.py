@@ -275,6 +275,7 @@ class TransportConfig:
             self._check_ranges(self.randomise, bodies, scenes)
         self._check_partner()
         for body, scene in set(_pairs(bodies, scenes)):
+            scene.check(body)
             self.task.check(body, scene)
         for terms in (self.terms, self.costs):
             if terms is not None:
