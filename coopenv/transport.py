@@ -385,7 +385,7 @@ class Transport:
         self.transition = None  # from the middle of a step no episode goes on
         self.world.step(sum_at_centre(applied, self.team.grips))
         next_state = self._state(before.next_state.goal, self._episodes.tick())
-        success, truncated = self._episodes.judge(self.conditions, next_state)
+        success, terminated, truncated = self._episodes.judge(self.conditions, next_state)
         self.transition = transition = Transition(
             state=before.next_state,
             next_state=next_state,
@@ -396,7 +396,7 @@ class Transport:
             contact_impulse=self.world.contact_impulse,
             contact_shift=self.world.contact_shift,
             success=success,
-            terminated=success,
+            terminated=terminated,
             truncated=truncated,
             dt=self.dt,
             horizon=self.horizon,
@@ -415,10 +415,10 @@ class Transport:
             self._info[CLIPPED] = clipped
         self._info.update(driven.info(transition))
         if restart is None or not restart.any():
-            return self._obs, reward, success, truncated, self._info
+            return self._obs, reward, terminated, truncated, self._info
         obs, info = self.reset(mask=restart)
         reward[restart] = 0
-        return obs, reward, success & ~restart, truncated & ~restart, info
+        return obs, reward, terminated & ~restart, truncated & ~restart, info
 
     def _running(self, restart: BoolArray | None) -> Transition:
         """The last transition; raises `ResetNeeded` unless a step may follow in every world."""

@@ -14,7 +14,8 @@ NAMES: dict[str, tuple[str, ...]] = {
         "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "PUSHES", "Partner", "Player",
         "Ranges", "Reference", "Scene", "Sensor", "Snapshot", "State", "Task", "TrackingTask",
         "Transition", "Transport", "TransportConfig", "TransportTask", "WalkerAvoidTask",
-        "WalkerTurnTask", "__version__", "beam_doorway_v0", "beam_tracking_v0",
+        "LiftTask", "WalkerTurnTask", "__version__", "beam_doorway_v0", "beam_lift_v0",
+        "beam_tracking_v0",
         "beam_transport_v0", "register", "rewards",
         "walker_avoid_v0", "walker_turn_v0", "wrench",
     ),
@@ -35,6 +36,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "coopenv.agents.train": ("EnvironmentChoice", "TrainConfig", "train"),
     "coopenv.arrays": ("FloatArray",),
     "coopenv.beam_doorway_v0": VIEWS,
+    "coopenv.beam_lift_v0": VIEWS,
     "coopenv.beam_tracking_v0": VIEWS,
     "coopenv.beam_transport_v0": VIEWS,
     "coopenv.envs": ("TransportEnv", "TransportParallelEnv", "TransportVectorEnv"),
@@ -90,7 +92,7 @@ WORDS: dict[str, tuple[str, ...]] = {  # registry -> what users pass as text
     "coopenv.wrench.SOLVERS": ("conic", "pair", "structured"),
 }  # fmt: skip
 
-IDS = ("BeamDoorway", "BeamTracking", "BeamTransport", "WalkerAvoid", "WalkerTurn")
+IDS = ("BeamDoorway", "BeamLift", "BeamTracking", "BeamTransport", "WalkerAvoid", "WalkerTurn")
 
 
 @pytest.mark.parametrize(

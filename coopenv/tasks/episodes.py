@@ -31,6 +31,7 @@ class Episodes:
         self._task, self._dt, self._horizon = task, dt, horizon
         # A neutral answer is not asked for: it would cost an array operation a step.
         self._may_be_early, self._is_judged = overrides(task, "due"), overrides(task, "accepts")
+        self._may_fail = overrides(task, "failure")
         self._steps = np.zeros(num_worlds, dtype=np.int64)
         self._distances = np.zeros(num_worlds)  # [m] sum over the steps of the episode
         self._ended, self._any_ended = np.ones(num_worlds, dtype=np.bool_), True
@@ -72,8 +73,8 @@ class Episodes:
         self._steps, time = _tick(self._steps, self._dt)
         return time
 
-    def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray]:
-        """Which worlds ``(world,)`` are done in this state, and which have run out of time."""
+    def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray, BoolArray]:
+        """Which worlds ``(world,)`` are done, which ended by that or by failure, which by time."""
         task = self._task
         success = task.success(state.pose, state.twist, state.goal)
         if self._may_be_early:
@@ -81,8 +82,12 @@ class Episodes:
         if self._is_judged:
             self._distances = self._distances + state.distance
             success = success & task.accepts(self._distances / self._steps)
-        truncated, self._ended, self._any_ended = _ends(success, self._steps, self._horizon)
-        return success, truncated
+        terminated = success
+        if self._may_fail:
+            failed = task.failure(state.pose, state.twist, state.goal)
+            success, terminated = success & ~failed, success | failed
+        truncated, self._ended, self._any_ended = _ends(terminated, self._steps, self._horizon)
+        return success, terminated, truncated
 
 
 @compiled
@@ -93,8 +98,8 @@ def _tick(steps, dt):
 
 
 @compiled
-def _ends(success, steps, horizon):
+def _ends(terminated, steps, horizon):
     """Which worlds ran out of time, which ended either way, and whether any did."""
-    truncated = (steps >= horizon) & ~success
-    ended = truncated | success
+    truncated = (steps >= horizon) & ~terminated
+    ended = truncated | terminated
     return truncated, ended, ended.any()

@@ -20,6 +20,7 @@ from tests.helpers import (
     assert_same,
     constant,
     parallel_actions,
+    room,
 )
 
 AGREEING = [
@@ -240,7 +241,7 @@ def test_the_vector_view_behaves_as_gymnasiums_own_over_single_ones(view, name, 
 
 @pytest.mark.parametrize("view", IDS)
 def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
-    keywords = {"horizon": 6, "scene": OPEN_ROOM}
+    keywords = {"horizon": 6, "scene": room(view, OPEN_ROOM)}
     vector = gymnasium.make_vec(view, num_envs=3, autoreset_mode="SameStep", **keywords)
     singles = [gymnasium.make(view, **keywords) for _ in range(3)]
     still = constant(vector)
@@ -253,7 +254,7 @@ def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
 
 @pytest.mark.parametrize("view", IDS)
 def test_gymnasiums_worker_processes_take_the_environment(view):
-    keywords = {"scene": CLUTTERED, "reward": "harmony", "horizon": 4}
+    keywords = {"scene": room(view, CLUTTERED), "reward": "harmony", "horizon": 4}
     workers = AsyncVectorEnv([lambda: gymnasium.make(view, **keywords) for _ in range(2)])
     try:
         near = SyncVectorEnv([lambda: gymnasium.make(view, **keywords) for _ in range(2)])
