@@ -156,6 +156,25 @@ def test_who_lets_it_lean_has_failed(lean):
     assert not info["success"][0]
 
 
+def test_from_a_state_in_the_air_the_same_actions_lead_to_the_same_bits_and_at_rest_nearly():
+    core = lift(action="force")
+    core.reset(seed=0, pose=(-2.5, 0.5, 0.1))
+    core.step(held(core))
+    state, plan = core.get_state(), [held(core, (0.5, 0.2 * k, 0.1)) for k in range(10)]
+    first = [core.step(action)[0] for action in plan]
+    core.set_state(state)
+    np.testing.assert_array_equal([core.step(action)[0] for action in plan], first)
+    core.reset(seed=0)  # on the floor
+    for _ in range(60):
+        core.step(np.zeros((1, 2, 2)))
+    state, pose = core.get_state(), core.world.pose[0]
+    core.set_state(state)
+    for _ in range(60):  # it sinks in once, until the contact is found again
+        core.step(np.zeros((1, 2, 2)))
+        np.testing.assert_allclose(core.world.pose[0], pose, atol=4e-3)
+    np.testing.assert_allclose(core.world.pose[0], pose, atol=1e-4)
+
+
 def test_failing_pays_less_than_waiting_and_that_less_than_succeeding():
     core = lift(3, horizon=300)
     controller = find_controller(core.config)
