@@ -44,6 +44,7 @@ def test_a_body_stops_after_v_squared_over_2_mu_g(speed, substeps):
 
 def test_a_spin_stops_as_the_torque_of_an_evenly_pressed_outline_says():
     body = sliding()
+    assert body.inertia is not None
     length = 0.3 * G * body.mass * mean_distance(body.outline)  # [N·m]
     seen = moved(body, 40, twist=(0, 0, 2.0))
     assert seen[-1, 2] == pytest.approx(2.0**2 * body.inertia / (2 * length), abs=1e-12)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coopenv import Body, Box, LiftTask, Scene, Transport, TransportConfig
-from coopenv.agents.controllers import find_controller
+from coopenv.agents.controllers import ImpedanceController, find_controller
 from coopenv.agents.evaluate import evaluate
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
@@ -26,12 +26,32 @@ def lift(num_worlds=1, **keywords):
 
 def held(core, accelerate=(0.0, 0.0, 0.0)):
     """Actions that bear the weight by the pseudoinverse and accelerate the object."""
-    controller = find_controller(core.config)
-    controller.wanted_motion = lambda transition: (
-        transition.next_state.twist,
-        np.array([accelerate], dtype=float),
-    )
-    return controller(np.zeros(1), core.transition)
+    return Accelerating(core.config, accelerate)(np.zeros(1), core.transition)
+
+
+class Accelerating(ImpedanceController):
+    """Accelerates the object, from whatever it does."""
+
+    def __init__(self, config, accelerate):
+        super().__init__(config)
+        self.accelerate = np.array([accelerate], dtype=float)
+
+    def wanted_motion(self, transition):
+        return transition.next_state.twist, self.accelerate
+
+
+def stepped(core, action, steps):
+    """Reward, terminated, truncated and infos of the last of ``steps``, or of that which ended."""
+    assert core.transition is not None
+    for _ in range(steps - 1):
+        *_, terminated, truncated, _ = step = core.step(action(core))
+        if terminated[0] or truncated[0]:
+            return step[1:]
+    return core.step(action(core))[1:]
+
+
+def let_go(core):
+    return np.zeros((1, 2, core.action_size))
 
 
 def test_every_layout_leaves_room_to_start_to_pass_and_to_lie():
@@ -92,8 +112,7 @@ def test_a_beam_held_level_is_shared_as_the_law_of_the_lever_says(a, b):
     core.reset(seed=0, pose=(-2.5, 0.0, 0.0))
     up = np.array([[[0.0, b, 0.0], [0.0, a, 0.0]]]) / (a + b) * 7.7 * G
     action = frames.actions_from_wrenches(up, core.team.frame, core.team.limits, 2)
-    for _ in range(20):
-        *_, info = core.step(action)
+    *_, info = stepped(core, lambda _: action, 20)
     np.testing.assert_allclose(core.world.twist, 0, atol=1e-9)
     np.testing.assert_allclose(info["force_load_share"][0], [b / (a + b), a / (a + b)], atol=1e-9)
     assert info["relative_cost"].max() == pytest.approx(0, abs=1e-9)
@@ -110,10 +129,7 @@ def laid(core, dy=-0.0005, dx=0.0):
 def test_who_lays_it_on_the_shelf_at_its_place_is_done():
     core = lift()
     laid(core)
-    for _ in range(5):
-        *_, terminated, truncated, info = core.step(np.zeros((1, 2, 3)))
-        if terminated[0]:
-            break
+    _, terminated, truncated, info = stepped(core, let_go, 5)
     assert (terminated[0], truncated[0], info["success"][0]) == (True, False, True)
     assert (info["reward/success"] == 10.0).all()
 
@@ -122,19 +138,15 @@ def test_who_lays_it_on_the_shelf_at_its_place_is_done():
 def test_who_holds_it_over_its_place_or_lays_it_beside_is_not_done(dx, dy):
     core = lift()
     laid(core, dy, dx)
-    for _ in range(20):
-        *_, terminated, truncated, _ = core.step(held(core))
-        assert not terminated[0]
-        assert not truncated[0]
+    _, terminated, truncated, _ = stepped(core, held, 20)
+    assert not terminated[0]
+    assert not truncated[0]
 
 
 def test_who_drops_it_onto_the_shelf_has_failed():
     core = lift()
     laid(core, dy=0.3)
-    for _ in range(20):
-        *_, reward, terminated, truncated, info = core.step(np.zeros((1, 2, 3)))
-        if terminated[0]:
-            break
+    reward, terminated, truncated, info = stepped(core, let_go, 20)
     assert (terminated[0], truncated[0], info["success"][0]) == (True, False, False)
     assert core.world.twist[0, 1] < -1.5
     assert (info["reward/success"] == -10.0).all()
@@ -148,10 +160,7 @@ def test_who_lets_it_lean_has_failed(lean):
     *_, terminated, _, _ = core.step(held(core))
     assert terminated[0] == (abs(0.9 * lean) > 0.5)
     core.reset(seed=0, pose=(-2.5, 0.5, 0.45 * np.sign(lean)))
-    for _ in range(100):
-        *_, terminated, _, info = core.step(held(core, (0, 0, lean)))
-        if terminated[0]:
-            break
+    _, terminated, _, info = stepped(core, lambda core: held(core, (0, 0, lean)), 100)
     assert terminated[0]
     assert not info["success"][0]
 
