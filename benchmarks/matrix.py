@@ -39,7 +39,7 @@ _CHECKERS = (
     "test_the_pettingzoo_views_pass_its_api_tests",
 )
 _PICKLED = "test_a_pickled_environment_begins_again_alike_after_a_reset_and_a_step"
-_NAMES = ("BeamTransport", "BeamDoorway", "BeamTracking", "WalkerAvoid", "WalkerTurn")
+_NAMES = ("BeamTransport", "BeamDoorway", "BeamTracking", "WalkerAvoid", "WalkerTurn", "BeamLift")
 VIEWS = (
     "tests/test_first_steps.py",
     "tests/test_missing.py",

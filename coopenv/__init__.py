@@ -23,6 +23,7 @@ from coopenv.snapshot import Snapshot
 from coopenv.tasks import (
     DoorwayTask,
     Episode,
+    LiftTask,
     Reference,
     Task,
     TrackingTask,
@@ -43,6 +44,7 @@ __all__ = [
     "DoorwayTask",
     "Episode",
     "Hands",
+    "LiftTask",
     "Partner",
     "Player",
     "Ranges",
@@ -61,6 +63,7 @@ __all__ = [
     "WalkerTurnTask",
     "__version__",
     "beam_doorway_v0",
+    "beam_lift_v0",
     "beam_tracking_v0",
     "beam_transport_v0",
     "register",
@@ -82,6 +85,7 @@ try:
         beam_tracking_v0,
         walker_avoid_v0,
         walker_turn_v0,
+        beam_lift_v0,
     )
 except ModuleNotFoundError as error:
     globals()["__getattr__"] = refusal(error, __name__, set(__all__) - set(globals()))

@@ -125,6 +125,7 @@ class Room:
     boxes: FloatArray  # (world, box, 5): centre x, y, width, height [m], angle [rad]
     axes: FloatArray  # (world, box, 2): cosine and sine of the boxes' angles
     count: IntArray  # (world,): boxes there are; the rows after them are zero
+    gravity: FloatArray  # (world, 2) [m/s²], in the plane
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], capacity: int) -> "Room":
@@ -138,6 +139,7 @@ class Room:
             boxes=boxes,
             axes=np.stack([np.cos(boxes[..., 4]), np.sin(boxes[..., 4])], axis=-1),
             count=np.array([len(scene.obstacles) for scene in scenes]),
+            gravity=np.array([scene.gravity for scene in scenes]),
         )
 
 

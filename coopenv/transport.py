@@ -251,12 +251,12 @@ class Transport(SteppedWorlds):
         try:
             if restart is not None:
                 restart = booleans(restart, "restart", self.num_worlds)
-            reward, success, truncated = self._step(action, restart)
+            reward, terminated, truncated = self._step(action, restart)
             if restart is None or not restart.any():
-                return self._obs, reward, success, truncated, self._info
+                return self._obs, reward, terminated, truncated, self._info
             obs, info = self.reset(mask=restart)
             reward[restart] = 0
-            return obs, reward, success & ~restart, truncated & ~restart, info
+            return obs, reward, terminated & ~restart, truncated & ~restart, info
         finally:
             turn.release()
 

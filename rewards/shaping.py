@@ -23,8 +23,9 @@ def closeness(state: State) -> FloatArray:
 class PotentialShaping:
     """Reward for climbing a potential: r = weight · (discount · Φ(s') − Φ(s)).
 
-    Φ(s') counts as 0 where the episode terminated, so that with the trainer's own discount no
-    policy changes its rank. Truncation does not end the task: there Φ(s') counts in full.
+    Φ(s') counts as 0 where the task is done, so that with the trainer's own discount no policy that
+    does it changes its rank. Truncation does not end the task: there Φ(s') counts in full. So it
+    does where a task failed: it would else pay for the way that is left.
 
     With ``discount`` < 1 and a negative potential, standing still earns (1 − discount) · |Φ| a
     step; with 1 it earns nothing.
@@ -49,7 +50,7 @@ class PotentialShaping:
         """Reward ``(world, agent)``, the same for every agent."""
         before, after = self.potential(transition.state), self.potential(transition.next_state)
         gain = np.empty((len(before), transition.team.num_agents))
-        _write_gain(before, after, transition.terminated, self.discount, self.weight, gain)
+        _write_gain(before, after, transition.success, self.discount, self.weight, gain)
         return gain
 
 
@@ -65,7 +66,7 @@ class Progress(PotentialShaping):
 
 
 @compiled
-def _write_gain(before, after, terminated, discount, weight, gain):
+def _write_gain(before, after, success, discount, weight, gain):
     for world in range(len(before)):
-        later = 0.0 if terminated[world] else discount * after[world]
+        later = 0.0 if success[world] else discount * after[world]
         gain[world, :] = weight * (later - before[world])

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array, number, positive
+from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.wrench import Decomposition, Settings
@@ -19,13 +20,14 @@ from coopenv.wrench.grasp import moment
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Success:
-    """A bonus in the step in which the task is done."""
+    """A bonus in the step in which the task is done, and its loss in one in which it failed."""
 
     weight: float = 10.0  # [reward]
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        return transition.per_agent(transition.success, self.weight)
+        success, terminated = transition.success, transition.terminated
+        return _outcome(success, terminated, self.weight, transition.team.num_agents)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -257,3 +259,15 @@ def _check_settings(settings: Any) -> None:
             f"settings must be a coopenv.wrench.Settings or None, got {settings!r}; None is the "
             "environment's own decomposition"
         )
+
+
+@compiled
+def _outcome(success, terminated, weight, num_agents):
+    """``weight`` where a task is done, minus that where it failed, ``(world, agent)``."""
+    paid = np.zeros((len(success), num_agents))
+    for world in range(len(success)):
+        if success[world]:
+            paid[world, :] = weight
+        elif terminated[world]:
+            paid[world, :] = -weight
+    return paid

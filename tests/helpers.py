@@ -16,6 +16,7 @@ from coopenv import (
     Box,
     DoorwayTask,
     Hands,
+    LiftTask,
     Ranges,
     Reference,
     Scene,
@@ -36,8 +37,10 @@ PARALLEL: dict[str, ModuleType] = {  # every registered id and its PettingZoo mo
     "coopenv/BeamTracking-v0": coopenv.beam_tracking_v0,
     "coopenv/WalkerAvoid-v0": coopenv.walker_avoid_v0,
     "coopenv/WalkerTurn-v0": coopenv.walker_turn_v0,
+    "coopenv/BeamLift-v0": coopenv.beam_lift_v0,
 }
 IDS = list(PARALLEL)
+LEVEL = [view for view in IDS if "Lift" not in view]  # else what lies on the floor touches it
 
 OPEN_ROOM = Scene(size=(80.0, 80.0))  # [m]; nothing to touch within a test
 NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
@@ -62,6 +65,13 @@ EASY_TASKS = {  # the same on each id's own task
     ),
     "coopenv/WalkerAvoid-v0": WalkerAvoidTask(**{**_EASY_WALK, "position_tolerance": 4.2}),
     "coopenv/WalkerTurn-v0": WalkerTurnTask(**_EASY_WALK),
+    "coopenv/BeamLift-v0": LiftTask(
+        position_tolerance=4.8,
+        height_tolerance=5.0,
+        angle_tolerance=0.4,
+        speed_tolerance=1.0,
+        spin_tolerance=5.0,
+    ),
 }
 CLUTTERED = Scene(
     size=(7.0, 6.5),
@@ -162,6 +172,16 @@ LOOP = Reference(  # [s], [m, m, rad]
     times=(0.0, 2.0, 4.0, 6.0), poses=((0, 0, 0), (1, 0, 1), (1, 1, 3), (0, 0, 3.5))
 )
 
+UPRIGHT = Scene(size=(8.0, 5.0), gravity=(0.0, -9.81))
+
+
+def room(view: str, scene: Scene) -> Scene:
+    """A scene for an id: upright and long enough where something is to be lifted."""
+    if "Lift" not in view:
+        return scene
+    return replace(scene, gravity=UPRIGHT.gravity, size=(max(scene.size[0], 8.0), scene.size[1]))
+
+
 # What an id documents beside them.
 OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
     "coopenv/BeamDoorway-v0": {
@@ -200,6 +220,15 @@ OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
         "gentle turns": {"task": WalkerTurnTask(path_length=(1.0, 2.0), turn=(0.0, 0.5))},
         "without wheels": {"body": Body.walker(nonholonomic=False)},
     },
+    "coopenv/BeamLift-v0": {
+        "cluttered": {"scene": room("coopenv/BeamLift-v0", CLUTTERED)},
+        "low and wide": {
+            "task": LiftTask(obstacle_height=(0.2, 0.3), obstacle_width=0.8, shelf=(0.9, 1.0)),
+        },
+        "may lean": {"task": LiftTask(tilt_limit=3.2, fall_limit=20.0)},
+        "observe hurdle": {"observe": ("hurdle", "down")},
+        "told to one": {"informed": (0,)},
+    },
 }
 COMMON = (
     "defaults",
@@ -214,9 +243,21 @@ COMMON = (
 )
 CASES: list[tuple[str, str, dict[str, Any]]] = [  # every id with its options: id, name, keywords
     *((IDS[0], name, keywords) for name, keywords in OPTIONS.items()),
-    *((view, name, OPTIONS[name]) for view in IDS[1:] for name in COMMON),
+    *(
+        (view, name, OPTIONS[name])
+        for view in IDS[1:]
+        for name in COMMON
+        if name not in OWN_OPTIONS.get(view, {})
+    ),
     *((view, name, own) for view in IDS for name, own in OWN_OPTIONS.get(view, {}).items()),
 ]
+
+
+def option(view: str, name: str) -> dict[str, Any]:
+    """Keywords of an option as the id can take it."""
+    return OWN_OPTIONS.get(view, {}).get(name) or OPTIONS[name]
+
+
 CASE_NAMES = [f"{view}-{name}" for view, name, _ in CASES]
 
 

@@ -12,6 +12,7 @@ from coopenv import (
     Transport,
     TransportConfig,
     beam_doorway_v0,
+    beam_lift_v0,
     beam_tracking_v0,
     beam_transport_v0,
     walker_avoid_v0,
@@ -329,7 +330,14 @@ def test_partners_compare_by_value_and_configurations_share_no_memory():
 
 @pytest.mark.parametrize(
     "module",
-    [beam_transport_v0, beam_doorway_v0, beam_tracking_v0, walker_turn_v0, walker_avoid_v0],
+    [
+        beam_transport_v0,
+        beam_doorway_v0,
+        beam_tracking_v0,
+        walker_turn_v0,
+        walker_avoid_v0,
+        beam_lift_v0,
+    ],
 )
 @pytest.mark.parametrize("driven", [0, 1])
 def test_the_scripted_controller_answers_for_the_learners_only(module, driven):

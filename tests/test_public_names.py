@@ -11,10 +11,10 @@ VIEWS = ("env", "parallel_env", "single_env", "vector_env")
 
 NAMES: dict[str, tuple[str, ...]] = {
     "coopenv": (
-        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Hands", "PUSHES", "Partner",
-        "Player", "Ranges", "Reference", "Scene", "Sensor", "Snapshot", "State", "Task",
+        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Hands", "LiftTask", "PUSHES",
+        "Partner", "Player", "Ranges", "Reference", "Scene", "Sensor", "Snapshot", "State", "Task",
         "TrackingTask", "Transition", "Transport", "TransportConfig", "TransportTask",
-        "WalkerAvoidTask", "WalkerTurnTask", "__version__", "beam_doorway_v0",
+        "WalkerAvoidTask", "WalkerTurnTask", "__version__", "beam_doorway_v0", "beam_lift_v0",
         "beam_tracking_v0", "beam_transport_v0", "register", "rewards",
         "walker_avoid_v0", "walker_turn_v0", "wrench",
     ),
@@ -35,6 +35,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "coopenv.agents.train": ("EnvironmentChoice", "TrainConfig", "train"),
     "coopenv.arrays": ("FloatArray",),
     "coopenv.beam_doorway_v0": VIEWS,
+    "coopenv.beam_lift_v0": VIEWS,
     "coopenv.beam_tracking_v0": VIEWS,
     "coopenv.beam_transport_v0": VIEWS,
     "coopenv.envs": ("TransportEnv", "TransportParallelEnv", "TransportVectorEnv"),
@@ -90,7 +91,7 @@ WORDS: dict[str, tuple[str, ...]] = {  # registry -> what users pass as text
     "coopenv.wrench.SOLVERS": ("conic", "pair", "structured"),
 }  # fmt: skip
 
-IDS = ("BeamDoorway", "BeamTracking", "BeamTransport", "WalkerAvoid", "WalkerTurn")
+IDS = ("BeamDoorway", "BeamLift", "BeamTracking", "BeamTransport", "WalkerAvoid", "WalkerTurn")
 
 
 @pytest.mark.parametrize(

@@ -29,14 +29,17 @@ def step(applied: list | FloatArray | None = None, **changes) -> Transition:
     return replace(core.transition, applied=forces, **changes)
 
 
-def with_distance(before: float, after: float, *, terminated: bool = False) -> Transition:
+def with_distance(
+    before: float, after: float, *, done: bool = False, failed: bool = False
+) -> Transition:
     """A transition that came from one distance to another."""
     at = step()
     return replace(
         at,
         state=replace(at.state, distance=np.array([before])),
         next_state=replace(at.next_state, distance=np.array([after])),
-        terminated=np.array([terminated]),
+        success=np.array([done]),
+        terminated=np.array([done or failed]),
     )
 
 
@@ -182,10 +185,20 @@ def test_progress_pays_metres_nearer_and_takes_them_back():
     assert rewards.Progress()(with_distance(2.0, 2.0)).tolist() == [[0.0, 0.0]]
 
 
-def test_the_potential_is_zero_at_termination_but_not_at_truncation():
-    assert rewards.Progress()(with_distance(0.4, 0.1, terminated=True)) == pytest.approx(0.4)
+def test_the_potential_is_zero_at_success_but_neither_at_truncation_nor_at_failure():
+    assert rewards.Progress()(with_distance(0.4, 0.1, done=True)) == pytest.approx(0.4)
+    assert rewards.Progress()(with_distance(0.4, 0.1, failed=True)) == pytest.approx(0.3)
     late = replace(with_distance(0.4, 0.1), truncated=np.array([True]))
     assert rewards.Progress()(late) == pytest.approx(0.3)
+
+
+def test_a_failure_takes_what_success_would_pay():
+    term = rewards.Success(weight=3.0)
+    paid = [
+        term(with_distance(1.0, 1.0, **how)).tolist()
+        for how in ({}, {"done": True}, {"failed": True})
+    ]
+    assert paid == [[[0.0, 0.0]], [[3.0, 3.0]], [[-3.0, -3.0]]]
 
 
 @given(
@@ -196,7 +209,7 @@ def test_discounted_shaping_telescopes_to_the_start_potential(distances: list[fl
     term = rewards.PotentialShaping(potential=lambda state: -state.distance, discount=rate)
     total, last = 0.0, len(distances) - 2
     for k in range(last + 1):
-        at = with_distance(distances[k], distances[k + 1], terminated=k == last)
+        at = with_distance(distances[k], distances[k + 1], done=k == last)
         total += rate**k * float(term(at)[0, 0])
     assert total == pytest.approx(distances[0], abs=1e-9)
 

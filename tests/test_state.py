@@ -18,6 +18,7 @@ from tests.helpers import (
     CLUTTERED,
     EASY_TASKS,
     IDS,
+    LEVEL,
     NEVER,
     OPEN_ROOM,
     OPTIONS,
@@ -92,7 +93,7 @@ def untouched(core: Transport, *rides: list[Any]) -> np.ndarray:
     return np.flatnonzero(~touched)
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", LEVEL)
 def test_from_a_state_the_same_actions_lead_to_the_same_bits(name):
     core = made(name)
     core.reset(seed=4)
@@ -131,7 +132,7 @@ def test_every_partner_remembers(partner):
     assert_same(ride(twin, plan), first)
 
 
-@pytest.mark.parametrize("view", IDS[2:])
+@pytest.mark.parametrize("view", LEVEL[2:])
 def test_the_mean_over_an_episode_and_its_clock_go_on(view):
     config = replace(find_config(view, {}), task=EASY_TASKS[view])
     core = Transport(num_worlds=8, config=config)
@@ -192,7 +193,7 @@ def test_worlds_that_are_not_named_go_on_as_if_nothing_had_been():
     assert_same(core.reset(mask=mask)[0][others], twin.reset(mask=mask)[0][others])
 
 
-@pytest.mark.parametrize("view", IDS)
+@pytest.mark.parametrize("view", LEVEL)
 def test_a_state_goes_into_any_worlds_of_any_core_to_rounding(view):
     core, other = made(view, 6), made(view, 70)
     core.reset(seed=0)

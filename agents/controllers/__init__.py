@@ -4,11 +4,12 @@ from typing import Any
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.tasks import DoorwayTask, RollingTask, TrackingTask
+from coopenv.tasks import DoorwayTask, LiftTask, RollingTask, TrackingTask
 
 from ..policy import RandomPolicy
 from .doorway import DoorwayController
 from .impedance import Gains, ImpedanceController, approach, wrapped
+from .lift import LiftController
 from .tracking import TrackingController
 from .walker import WalkerController
 from .wrenches import require_wrenches
@@ -18,6 +19,7 @@ __all__ = [
     "DoorwayController",
     "Gains",
     "ImpedanceController",
+    "LiftController",
     "RandomPolicy",
     "TrackingController",
     "WalkerController",
@@ -30,6 +32,7 @@ __all__ = [
 # The first whose task it is; any other task is left to the impedance controller.
 CONTROLLERS: dict[type, type[ImpedanceController] | type[WalkerController]] = {
     DoorwayTask: DoorwayController,
+    LiftTask: LiftController,
     TrackingTask: TrackingController,
     RollingTask: WalkerController,
 }

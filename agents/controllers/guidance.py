@@ -63,19 +63,19 @@ def object_wrench(gains, pose, twist, goal, load, size, outline):
     pose, twist, goal
         Three each, world frame.
     load
-        Mass, inertia, linear and angular drag of the object.
+        Mass, inertia, linear and angular drag of the object, and gravity x and y [m/s²].
     size
         Two, of the room [m].
     outline
         Of the object, an `Outline`.
     """
-    mass, inertia, linear_drag, angular_drag = load
+    mass, inertia, linear_drag, angular_drag, down_x, down_y = load
     half_x, half_y, damping = size[0] / 2, size[1] / 2, gains[DAMPING]
     c, s = cos(pose[2]), sin(pose[2])
     free = (-half_x, half_x, -half_y, half_y)
     vx, vy, omega = _wanted_twist(gains, pose, (c, s), goal, free, outline)
-    fx = mass * damping * (vx - twist[0]) + linear_drag * twist[0]
-    fy = mass * damping * (vy - twist[1]) + linear_drag * twist[1]
+    fx = mass * (damping * (vx - twist[0]) - down_x) + linear_drag * twist[0]
+    fy = mass * (damping * (vy - twist[1]) - down_y) + linear_drag * twist[1]
     torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
     along, across = rotated_back(c, s, fx, fy)
     return along, across, torque

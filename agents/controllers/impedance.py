@@ -26,7 +26,7 @@ _TORQUE_FREE = 1e-9  # [kg·m²] virtual inertia that leaves all torque to the f
 class ImpedanceController:
     """Inverse dynamics and impedance towards the goal, the wrench shared by an allocation.
 
-        h_o = M (k_d (v_d − v)) + D v,    v_d = saturated k_p (goal − pose)
+        h_o = M (k_d (v_d − v) − g) + D v,    v_d = saturated k_p (goal − pose)
 
     Stateless; masses, drag and room are those of the episodes under way. The object keeps off the
     walls while it turns: where the coming turn needs more room than there is, it moves away from
@@ -100,6 +100,8 @@ class ImpedanceController:
         drag = np.stack([load.linear_drag, load.linear_drag, load.angular_drag], axis=-1)
         twist, acceleration = self.wanted_motion(transition)
         acceleration = acceleration + self.gains.damping * (twist - state.twist)
+        if (gravity := transition.conditions.room.gravity).any():
+            acceleration[:, :2] -= gravity
         wrench = inertia * acceleration + drag * state.twist  # world frame
         c, s = np.cos(state.pose[:, 2]), np.sin(state.pose[:, 2])
         wrench[:, 0], wrench[:, 1] = frames.rotated_back(c, s, wrench[:, 0], wrench[:, 1])

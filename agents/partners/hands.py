@@ -76,6 +76,7 @@ class Carried(NamedTuple):
     outline: FloatArray
     reach: FloatArray  # (world,) [m] from the object's origin to its farthest vertex
     room: FloatArray  # (world, 2) [m], inner width and height
+    gravity: FloatArray  # (world, 2) [m/s²], in the plane
 
 
 class Held(NamedTuple):
@@ -106,14 +107,15 @@ def act(mind, seen, carried, team, dt):
     # Taken apart once: a field that is read inside the loop costs a count of references each time
     traits, keys, now, steps, wanted_twist, given = mind
     pose, twist, twist_before, goal, ahead, applied = seen
-    mass, inertia, linear_drag, angular_drag, outline, reach, room = carried
+    mass, inertia, linear_drag, angular_drag, outline, reach, room, gravity = carried
     grips, frame, limits, allocation, parts_on_way, driven = team
     out, parts = np.empty((len(traits), len(driven), 3)), np.empty((grips.shape[1], 3))
     for k in range(len(traits)):
         draw = mixed(keys[k], np.uint64(steps[k]))
         now[k] = n = _row(traits, k, now[k], steps[k], draw, dt)
         role, slot = traits[k, n, ROLE], steps[k] % given.shape[1]
-        load = (mass[k], inertia[k], linear_drag[k], angular_drag[k])
+        down = gravity[k, 0], gravity[k, 1]
+        load = (mass[k], inertia[k], linear_drag[k], angular_drag[k], *down)
         here, moving, before = triple(pose, k), triple(twist, k), triple(twist_before, k)
 
         # What the object is to be given
@@ -129,6 +131,7 @@ def act(mind, seen, carried, team, dt):
             wrench = _felt((here, moving, before), load, applied, grips, driven, k, dt)
         if role == FOLLOWS:
             tastes = (traits[k, n, HEAVINESS], traits[k, n, EAGERNESS])
+            wrench = _unloaded(wrench, here[2], load, 1 - len(driven) / len(parts))
             wanted, wrench = _follow(
                 tastes, wrench, here, moving, triple(wanted_twist, k), load, dt
             )
@@ -188,14 +191,15 @@ def _scaled(wrench, factor):
 
 @inlined
 def _felt(motion, load, applied, grips, driven, k, dt):
-    """Wrench on the object in the last step that was not this partner's: M v̇ + D v − h.
+    """Wrench on the object in the last step that was not this partner's: M (v̇ − g) + D v − h.
 
     Object frame. ``motion`` is the object's pose and twist now, and its twist one step before.
     """
     pose, twist, before = motion
-    mass, inertia, linear_drag, angular_drag = load
-    wx = mass * (twist[0] - before[0]) / dt + linear_drag * (twist[0] + before[0]) / 2
-    wy = mass * (twist[1] - before[1]) / dt + linear_drag * (twist[1] + before[1]) / 2
+    mass, inertia, linear_drag, angular_drag, down_x, down_y = load
+    rate_x, rate_y = (twist[0] - before[0]) / dt - down_x, (twist[1] - before[1]) / dt - down_y
+    wx = mass * rate_x + linear_drag * (twist[0] + before[0]) / 2
+    wy = mass * rate_y + linear_drag * (twist[1] + before[1]) / 2
     torque = inertia * (twist[2] - before[2]) / dt + angular_drag * (twist[2] + before[2]) / 2
     middle = pose[2] - dt * (twist[2] + before[2]) / 4  # where the object pointed in between
     x, y = rotated_back(cos(middle), sin(middle), wx, wy)
@@ -208,9 +212,17 @@ def _felt(motion, load, applied, grips, driven, k, dt):
 
 
 @inlined
+def _unloaded(felt, angle, load, share):
+    """What is felt of the others less their even ``share`` of the weight, which moves nothing."""
+    weight = load[0] * share
+    x, y = rotated_back(cos(angle), sin(angle), weight * load[4], weight * load[5])
+    return felt[0] + x, felt[1] + y, felt[2]
+
+
+@inlined
 def _follow(tastes, felt, pose, twist, wanted, load, dt):
     """Let a lighter object answer what is felt; its motion, and what the real one needs for it."""
-    mass, inertia, linear_drag, angular_drag = load
+    mass, inertia, linear_drag, angular_drag, down_x, down_y = load
     heaviness, eagerness = tastes
     c, s = cos(pose[2]), sin(pose[2])
     left, gain = _response(mass, linear_drag, dt)
@@ -219,8 +231,8 @@ def _follow(tastes, felt, pose, twist, wanted, load, dt):
     vy = left * wanted[1] + gain * push_y / heaviness
     left, gain = _response(inertia, angular_drag, dt)
     omega = left * wanted[2] + gain * felt[2] / heaviness
-    fx = linear_drag * vx + mass * eagerness * (vx - twist[0])
-    fy = linear_drag * vy + mass * eagerness * (vy - twist[1])
+    fx = linear_drag * vx + mass * (eagerness * (vx - twist[0]) - down_x)
+    fy = linear_drag * vy + mass * (eagerness * (vy - twist[1]) - down_y)
     torque = angular_drag * omega + inertia * eagerness * (omega - twist[2])
     along, across = rotated_back(c, s, fx, fy)
     return (vx, vy, omega), (along, across, torque)

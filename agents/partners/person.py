@@ -112,7 +112,7 @@ class Person:
             ),
             (
                 load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,
-                self._reach, room.size,
+                self._reach, room.size, room.gravity,
             ),
             (
                 team.grips, team.frame, team.limits, self._allocation, self._parts_on_way,

@@ -46,7 +46,8 @@ class TransportTask(TaskClass):
     """An id with its keywords, which are the task's ``config``; all agents are one group.
 
     Beside returns, BenchMARL logs γ, the wasted cost and F_I as infos, and the share of episodes
-    that ended in success as ``collection/success_rate``.
+    that terminated as ``collection/success_rate``: in success, but in a task that can fail
+    (``BeamLift``) in failure too.
     """
 
     def get_env_fun(
@@ -103,7 +104,7 @@ class TransportTask(TaskClass):
 
     @staticmethod
     def log_info(batch: TensorDictBase) -> dict[str, float]:
-        """Share of the episodes that ended in success."""
+        """Share of the episodes that terminated: in success, or where a task can fail in either."""
         ends = batch["next", "done"]
         if not ends.any():
             return {}

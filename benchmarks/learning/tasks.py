@@ -29,6 +29,7 @@ LEARNING = ("control steps", "training, CPU s", "to 90 %, CPU s")
 STEPS = {  # where the default number of steps is too few
     "coopenv/BeamDoorway-v0": 1_200_000,
     "coopenv/WalkerAvoid-v0": 1_200_000,
+    "coopenv/BeamLift-v0": 1_200_000,
 }
 REACHED = 0.9  # success rate during training, exploration noise included
 

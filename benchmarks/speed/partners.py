@@ -13,7 +13,14 @@ from coopenv.envs.registry import PREFIX, find_config
 WORLDS = 1024
 STEPS = 40  # a run
 WITH_WAYS = ("impedance", "walking", "robot")
-ENVIRONMENTS = ("BeamTransport", "BeamDoorway", "BeamTracking", "WalkerTurn", "WalkerAvoid")
+ENVIRONMENTS = (
+    "BeamTransport",
+    "BeamDoorway",
+    "BeamTracking",
+    "WalkerTurn",
+    "WalkerAvoid",
+    "BeamLift",
+)
 TARGET = 1.0  # what a partner adds to a step, to bare pymunk at the same substeps
 
 

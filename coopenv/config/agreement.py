@@ -67,6 +67,7 @@ def check_partner(
 def check_task(task: Task, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
     """Raise `InvalidInput` where the task cannot be done with a body in a scene."""
     for body, scene in _together(bodies, scenes):
+        scene.check(body)
         task.check(body, scene)
 
 

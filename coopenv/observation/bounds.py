@@ -5,6 +5,7 @@ noisy sensor, a reference that leaves the room) a reading is clipped, and that i
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import hypot
 
 import numpy as np
 
@@ -69,7 +70,9 @@ class Bounds:
         grip = np.hypot(*np.abs([body.grips for body in bodies]).max(axis=0).T)  # (agent,)
         torque = limits[..., 1].max(axis=0) + grip * force
         self._bodies, self._grip = bodies, float(grip.max())
-        speed, spin = _fastest(bodies, float(force.sum()), float(torque.sum()), duration)
+        weight = max(body.mass for body in bodies) * max(hypot(*s.gravity) for s in scenes)  # [N]
+        most = float(force.sum()) + weight
+        speed, spin = _fastest(bodies, most, float(torque.sum()), duration)
         self.by_unit: Mapping[str, float] = {
             "1": 1.0,
             "m": max(float(np.hypot(*scene.size)) for scene in scenes),

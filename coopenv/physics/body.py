@@ -38,6 +38,9 @@ class Body:
         at the default torque weight.
     friction
         Coulomb coefficient of the outline; a contact takes the product with the wall's.
+    ground_friction
+        Coulomb coefficient of the ground that the body lies on, all of it; see
+        `coopenv.physics.friction`. What presses it on is ``Scene.normal_gravity``.
     nonholonomic
         Whether wheels at the centre of mass keep it from moving sideways: it rolls along its x
         and turns. Forces across it then only turn it, by their lever.
@@ -56,11 +59,18 @@ class Body:
     grips: Points = ((-0.9, 0.0), (0.9, 0.0))  # [m]
     friction: float = 0.3
     nonholonomic: bool = False
+    ground_friction: float = 0.0
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
         _set(self, "mass", positive(self.mass, "body.mass", unit="kg", at_least=LEAST))
-        for name, unit in (("linear_drag", "N·s/m"), ("angular_drag", "N·m·s"), ("friction", "")):
+        units = {
+            "linear_drag": "N·s/m",
+            "angular_drag": "N·m·s",
+            "friction": "",
+            "ground_friction": "",
+        }
+        for name, unit in units.items():
             value = positive(getattr(self, name), f"body.{name}", unit=unit, or_zero=True)
             _set(self, name, value)
         _set(self, "outline", _points(self.outline, "body.outline", at_least=3))
@@ -75,6 +85,11 @@ class Body:
                 "True puts it on wheels"
             )
         _set(self, "nonholonomic", bool(self.nonholonomic))
+        if self.nonholonomic and self.ground_friction > 0:
+            raise InvalidInput(
+                f"body.ground_friction must be 0 on wheels, got {self.ground_friction}; wheels "
+                "roll on the ground: give body.linear_drag and body.angular_drag instead"
+            )
 
     @classmethod
     def beam(cls, *, length: float = 2.0, width: float = 0.1, **values) -> "Body":

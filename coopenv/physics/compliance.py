@@ -33,8 +33,12 @@ from coopenv.geometry.frames import rotated, rotated_back
 from coopenv.physics.motion import (
     COAST,
     DECAY,
-    MASS,
+    FALL_PATH,
+    FALL_SPEED,
+    HEAVY,
     NODE_PATH,
+    PATH_GAIN,
+    SPEED_GAIN,
     SPIN_COAST,
     SPIN_DECAY,
     SPIN_GAIN,
@@ -44,6 +48,7 @@ from coopenv.physics.motion import (
     collect,
     command_to,
     roll,
+    supported,
 )
 
 _NEWTON, _MOST = 12, 60  # iterations by Newton's method, and at all
@@ -90,7 +95,7 @@ def hold(rows, table, pose, twist, hands, step, share, command, expected):
         if table[k, WHEELS]:
             c, s, chord, free = _rolled(table, k, pose, twist, hands, c, s, rate)
         else:
-            c, s, chord, free = _pushed(table, k, pose, twist, hands, c, s, rate)
+            c, s, chord, free = _pushed(table, k, pose, twist, hands, c, s, rate, expected)
         for i in range(grips.shape[1]):
             x, y = rotated_back(c, s, force[k, i, 0], force[k, i, 1])
             applied[k, i, 0] += share * (chord * x + held[k, i, 0])
@@ -121,14 +126,41 @@ def draw(k, pose, c, s, spring, limit, grips, reference, stretch):
 
 
 @inlined
-def _pushed(table, k, pose, twist, hands, start_c, start_s, rate):
-    """A free body's substep: direction in its middle, chord by arc, and what `advance` returns."""
+def _pushed(table, k, pose, twist, hands, start_c, start_s, rate, expected):
+    """A free body's substep: direction in its middle, chord by arc, and what `advance` returns.
+
+    Gravity is met exactly, and a contact that lasts (`coopenv.physics.motion.supported`) bears the
+    body through a second solution.
+    """
     vx, vy, spin = twist[k, 0], twist[k, 1], twist[k, 2]
-    free_x, free_y = table[k, COAST] * vx, table[k, COAST] * vy
+    free_x = table[k, COAST] * vx + table[k, FALL_PATH]
+    free_y = table[k, COAST] * vy + table[k, FALL_PATH + 1]
     free_turn = table[k, SPIN_COAST] * spin
-    gain = table[k, NODE_PATH] + table[k, NODE_PATH + 1] + table[k, NODE_PATH + 2]
+    gain, grown = table[k, PATH_GAIN], table[k, SPEED_GAIN]
+    for borne in range(2):
+        c, s, chord, pull = _met(table, k, hands, start_c, start_s, rate, free_x, free_y, free_turn)
+        moved = (
+            free_x + gain * pull.fx,
+            free_y + gain * pull.fy,
+            free_turn + table[k, TURN_GAIN] * pull.torque,
+            table[k, DECAY] * vx + table[k, FALL_SPEED] + grown * pull.fx,
+            table[k, DECAY] * vy + table[k, FALL_SPEED + 1] + grown * pull.fy,
+            table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * pull.torque,
+        )
+        if borne or not table[k, HEAVY]:
+            break
+        dx, dy, turn = supported(table, k, (vx, vy, spin), expected, moved, 1 / rate)
+        if dx == 0.0 and dy == 0.0 and turn == 0.0:
+            break
+        free_x, free_y, free_turn = free_x + dx, free_y + dy, free_turn + turn
+    return c, s, chord, moved
+
+
+@inlined
+def _met(table, k, hands, start_c, start_s, rate, free_x, free_y, free_turn):
+    """Newton's method for the displacement of a free body that moves ``free`` without hands."""
     turn_gain = table[k, TURN_GAIN]
-    heavy, slow = 1 / gain, 1 / turn_gain
+    heavy, slow = 1 / table[k, PATH_GAIN], 1 / turn_gain
     x, y, turn = free_x, free_y, free_turn
     for attempt in range(_MOST):
         c, s, chord = _middle(start_c, start_s, turn / 2)
@@ -143,16 +175,7 @@ def _pushed(table, k, pose, twist, hands, start_c, start_s, rate):
             fx, fy, torque,
         )  # fmt: skip
         x, y, turn = x + dx, y + dy, turn + dt
-    grown = table[k, COAST] / table[k, MASS]
-    moved = (
-        free_x + gain * pull.fx,
-        free_y + gain * pull.fy,
-        free_turn + turn_gain * pull.torque,
-        table[k, DECAY] * vx + grown * pull.fx,
-        table[k, DECAY] * vy + grown * pull.fy,
-        table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * pull.torque,
-    )
-    return c, s, chord, moved
+    return c, s, chord, pull
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""Contact response of a rigid body: what wheels leave of it, and that it gives no energy."""
+"""Contact response of a rigid body: what wheels leave of it, its energy, and how it lasts."""
 
 from coopenv.compiled import compiled
 
@@ -57,3 +57,31 @@ def spent(mass, inertia, before, change):
     if not power + square / 2 > 0.0:
         return 1.0
     return 0.0 if power > 0.0 else -power / square
+
+
+@compiled
+def lasting(mass, inertia, contact, forced, mean):
+    """The part of a contact's change of twist that is taken to last for another substep, in [0, 1].
+
+    It answers forces only, not momentum: the contact Δ of the substep before holds back what forces
+    make of the twist, F, by −⟨F, Δ⟩ / ⟨Δ, Δ⟩ of it, with ⟨v, v⟩ / 2 the kinetic energy. It lifts
+    nothing off either: a mean twist v with ⟨v, Δ⟩ < 0 is brought to 0 at most.
+
+    Parameters
+    ----------
+    mass, inertia
+        Of the body [kg, kg·m²].
+    contact, forced, mean
+        Δ, F and the mean twist over the substep, ``(vx, vy, ω)`` each [m/s, rad/s].
+    """
+    against = -_product(mass, inertia, forced, contact)
+    off = -2.0 * _product(mass, inertia, mean, contact)
+    part = min(against, off) / _product(mass, inertia, contact, contact)
+    return min(max(part, 0.0), 1.0)
+
+
+@compiled
+def _product(mass, inertia, first, second):
+    """⟨first, second⟩ of two twists: half of ⟨v, v⟩ is the kinetic energy [J]."""
+    linear = first[0] * second[0] + first[1] * second[1]
+    return mass * linear + inertia * first[2] * second[2]

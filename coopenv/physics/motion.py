@@ -13,6 +13,9 @@ A body on wheels does not slip sideways: with u its speed along its own x, e(θ)
     m u̇ = f_x − d u,    ṗ = u e(θ)
 
 u has a closed form too, and the path is the integral of u, met exactly, times e at the same nodes.
+
+Gravity in the plane adds m g to the force; it is constant in the world, so that it is met exactly.
+Friction on the ground is in `coopenv.physics.friction`.
 """
 
 from typing import NamedTuple
@@ -23,7 +26,8 @@ from numpy.polynomial.legendre import leggauss
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
-from coopenv.physics.contacts import spent, yielded
+from coopenv.physics.contacts import lasting, spent, yielded
+from coopenv.physics.friction import rubbed
 
 _NODES = (1 + np.array([-np.sqrt(3 / 5), 0.0, np.sqrt(3 / 5)])) / 2
 _FINE, _FINE_WEIGHTS = (1 + leggauss(64)[0]) / 2, leggauss(64)[1] / 2  # integrates the table
@@ -34,7 +38,18 @@ SPIN_GAIN, TURN_GAIN = 4, 5  # ω and θ gained a unit of torque
 NODE_COAST, NODE_TURN = 6, 9  # the angle at each node, a unit of ω and of torque
 NODE_SPEED, NODE_PATH = 12, 15  # velocity and path gained a unit of force, by node
 MASS, INERTIA, WHEELS, REACH = 18, 19, 20, 21
-NUM_COEFFICIENTS = 22
+HEAVY, RUBS = 22, 23  # whether there is gravity in the plane, and friction on the ground
+FALL_SPEED, FALL_PATH = 24, 26  # velocity and path gained by gravity, x and y each
+SPEED_GAIN, PATH_GAIN = 28, 29  # velocity and path gained a unit of force that does not turn
+GROUND_FORCE, GROUND_TORQUE = 30, 31  # the most that friction on the ground can hold [N, N·m]
+NUM_COEFFICIENTS = 32
+
+# Columns of what is expected of a substep: twist and pose if nothing is touched, and two that only
+# bodies with weight have: what contacts made of the twist in the substep before, and the part of it
+# that the path counts on.
+CONTACT, LENT = 6, 9
+NUM_EXPECTED = 12
+
 # On wheels, in place of NODE_SPEED and NODE_PATH: path a unit of speed, and of force, by node.
 NODE_ROLL, NODE_PUSH = NODE_SPEED, NODE_PATH
 
@@ -47,11 +62,15 @@ def coefficients(
     step: float,
     wheels: BoolArray | None = None,
     reach: FloatArray | None = None,
+    gravity: FloatArray | None = None,
+    ground: FloatArray | None = None,
 ) -> FloatArray:
     """Tabulate the motion over one substep of ``step`` seconds, ``(world, NUM_COEFFICIENTS)``.
 
     ``wheels`` ``(world,)`` marks the bodies that do not slip sideways. ``reach`` ``(world,)`` [m],
-    the longest lever of a contact, is for `collect`.
+    the longest lever of a contact, is for `collect`. ``gravity`` ``(world, 2)`` [m/s²] is that in
+    the plane, ``ground`` ``(world, 2)`` [N, N·m] the most that friction on the ground can hold;
+    neither is for bodies on wheels.
     """
     rate, spin_rate = linear_drag / mass, angular_drag / inertia  # [1/s]
     table = np.empty((len(mass), NUM_COEFFICIENTS))
@@ -79,6 +98,14 @@ def coefficients(
         table[:, NODE_PATH + i] = (coasted * weights).sum(axis=1) * step / mass
     table[:, MASS], table[:, INERTIA] = mass, inertia
     table[:, REACH] = np.inf if reach is None else reach
+    pulled = np.zeros((len(mass), 2)) if gravity is None else gravity
+    held = np.zeros((len(mass), 2)) if ground is None else ground
+    table[:, HEAVY], table[:, RUBS] = (pulled != 0).any(axis=1), (held > 0).any(axis=1)
+    pushed = _pushed(rate, step)
+    table[:, FALL_SPEED : FALL_SPEED + 2] = table[:, COAST, None] * pulled
+    table[:, FALL_PATH : FALL_PATH + 2] = pushed[:, None] * pulled
+    table[:, SPEED_GAIN], table[:, PATH_GAIN] = table[:, COAST] / mass, pushed / mass
+    table[:, GROUND_FORCE : GROUND_TORQUE + 1] = held
     return table
 
 
@@ -157,6 +184,52 @@ def _turned(table, k, motion):
     return turn, table[k, SPIN_DECAY] * motion.spin + table[k, SPIN_GAIN] * motion.torque
 
 
+@inlined
+def _fallen(table, k, motion, expected, moved, step):
+    """What gravity adds to a substep of free motion ``moved``, with the support that lasts."""
+    dx, dy, turn, vx, vy, spin = moved
+    dx, dy = dx + table[k, FALL_PATH], dy + table[k, FALL_PATH + 1]
+    vx, vy = vx + table[k, FALL_SPEED], vy + table[k, FALL_SPEED + 1]
+    start, moved = (motion.vx, motion.vy, motion.spin), (dx, dy, turn, vx, vy, spin)
+    support_x, support_y, support_turn = supported(table, k, start, expected, moved, step)
+    return dx + support_x, dy + support_y, turn + support_turn, vx, vy, spin
+
+
+@inlined
+def supported(table, k, start, expected, moved, step):
+    """Change of pose by the support that lasts, of a substep that begins with the twist ``start``.
+
+    A contact acts at the end of a substep, after the path. Its impulse of the substep before is
+    taken to bear the body over the path too, as far as `lasting` says: a body that rests does not
+    sink in, only to be parted from the floor again. ``moved`` is the motion without support.
+    """
+    contact = expected[k, CONTACT], expected[k, CONTACT + 1], expected[k, CONTACT + 2]
+    dx, dy, turn, part = 0.0, 0.0, 0.0, 0.0
+    if contact[0] != 0.0 or contact[1] != 0.0 or contact[2] != 0.0:
+        forced = moved[3] - start[0], moved[4] - start[1], moved[5] - start[2]
+        mean = moved[0] / step, moved[1] / step, moved[2] / step
+        part = lasting(table[k, MASS], table[k, INERTIA], contact, forced, mean)
+        lasts = part * table[k, PATH_GAIN] / table[k, SPEED_GAIN]  # [s] path a unit of velocity
+        dx, dy = lasts * contact[0], lasts * contact[1]
+        turn = part * table[k, TURN_GAIN] / table[k, SPIN_GAIN] * contact[2]
+    for i in range(3):
+        expected[k, LENT + i] = part * contact[i]
+    return dx, dy, turn
+
+
+@inlined
+def _rubbed(table, k, motion, moved, step):
+    """What friction on the ground leaves of a substep of free motion ``moved``."""
+    dx, dy, turn, vx, vy, spin = moved
+    limits = table[k, GROUND_FORCE], table[k, GROUND_TORQUE]
+    gains = (
+        table[k, SPEED_GAIN], table[k, PATH_GAIN], table[k, SPIN_GAIN], table[k, TURN_GAIN],
+    )  # fmt: skip
+    start = motion.vx, motion.vy, motion.spin
+    path, end = rubbed(limits, gains, step, start, (dx, dy, turn), (vx, vy, spin))
+    return path[0], path[1], path[2], end[0], end[1], end[2]
+
+
 @compiled
 def drive(rows, table, pose, twist, wrench, step, command, expected):
     """Fill pymunk's buffer so that its own integrator lands where `advance` does.
@@ -177,7 +250,9 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
     command
         ``(row, 6)`` written: velocity, angular velocity, force, torque.
     expected
-        ``(world, 6)`` written: twist and pose at the end if nothing is touched.
+        ``(world, 6)``, or ``(world, NUM_EXPECTED)`` where there is gravity: written, twist and
+        pose at the end if nothing is touched. Of the rest, what contacts did in the substep before
+        is read.
     """
     for k in range(len(rows)):
         motion = Motion(
@@ -188,6 +263,12 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
             dx, dy, turn, vx, vy, spin = roll(table, k, motion)
         else:
             dx, dy, turn, vx, vy, spin = advance(table, k, motion)
+            if table[k, HEAVY]:
+                moved = dx, dy, turn, vx, vy, spin
+                dx, dy, turn, vx, vy, spin = _fallen(table, k, motion, expected, moved, step)
+            if table[k, RUBS]:
+                moved = dx, dy, turn, vx, vy, spin
+                dx, dy, turn, vx, vy, spin = _rubbed(table, k, motion, moved, step)
         free = dx, dy, turn, vx, vy, spin
         command_to(table, k, rows[k], pose, step, free, command, expected)
 
@@ -215,6 +296,7 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
 
     The impulse of a substep is the least total of contact impulses that explains the change of
     momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
+    The weight of a body that rests is in it.
     A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x. No
     body takes more of them than `spent` says: contacts give no energy.
 
@@ -268,11 +350,36 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
                 twist[k, 2] = expected[k, 2] + part * spin
                 rolling = twist[k, 0]
             impulse[k] += part * push
+            if table[k, HEAVY]:
+                for i in range(3):
+                    expected[k, CONTACT + i] = twist[k, i] - expected[k, i]
+        else:
+            if table[k, RUBS]:  # else rounding would let what is at rest creep
+                twist[k, 0], twist[k, 1], twist[k, 2] = (
+                    expected[k, 0], expected[k, 1], expected[k, 2],
+                )  # fmt: skip
+            if table[k, HEAVY]:
+                impulse[k] += _let_go(table, k, expected, twist)
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
         if not (abs(pose[k, 0]) <= farthest_x and abs(pose[k, 1]) <= farthest_y):  # or NaN
             lost = k
     return lost
+
+
+@inlined
+def _let_go(table, k, expected, twist):
+    """End the contact of the substep before, and return the impulse [N·s] that the path had of it.
+
+    What bore the body over the path acted, so that the body feels it once more: else it would be
+    as fast as one that fell, and higher.
+    """
+    dx, dy, spin = expected[k, LENT], expected[k, LENT + 1], expected[k, LENT + 2]
+    for i in range(3):
+        twist[k, i] += expected[k, LENT + i]
+        expected[k, CONTACT + i] = 0.0
+    push = table[k, MASS] * np.sqrt(dx * dx + dy * dy)
+    return max(push, table[k, INERTIA] * abs(spin) / table[k, REACH])
 
 
 @inlined

@@ -8,6 +8,7 @@ import numpy as np
 from coopenv.arrays import FARTHEST, FloatArray, finite_array, number, positive
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import moved
+from coopenv.physics.body import Body
 
 WALL_THICKNESS = 2.0  # [m]; a beam at full force passes thin walls between two substeps
 
@@ -43,15 +44,32 @@ class Box:
 class Scene:
     """A rectangular room centred on the world's origin, with walls all round and obstacles in it.
 
+    Parameters
+    ----------
+    size
+        Inner width (x) and height (y) [m].
+    obstacles
+        Boxes in it.
+    friction
+        Coulomb coefficient of walls and obstacles; a contact takes the product with the body's.
+    gravity
+        Acceleration in the plane [m/s²], as (0, −9.81) where the plane stands upright and the lower
+        wall is its floor. Zero in a plane that is seen from above.
+    normal_gravity
+        Acceleration onto the plane [m/s²], which presses the body on the ground; what
+        ``Body.ground_friction`` goes by. Zero where the plane stands upright.
+
     Raises
     ------
     InvalidInput
         If a value breaks its rule.
     """
 
-    size: tuple[float, float] = (6.0, 6.0)  # [m], inner width (x) and height (y)
+    size: tuple[float, float] = (6.0, 6.0)  # [m]
     obstacles: tuple[Box, ...] = ()
-    friction: float = 1.0  # of walls and obstacles; a contact takes the product with the body's
+    friction: float = 1.0
+    gravity: tuple[float, float] = (0.0, 0.0)  # [m/s²]
+    normal_gravity: float = 9.81  # [m/s²]
 
     def __post_init__(self) -> None:
         width, height = _pair(self.size, "scene.size")
@@ -59,6 +77,11 @@ class Scene:
         object.__setattr__(self, "size", size)
         friction = positive(self.friction, "scene.friction", or_zero=True)
         object.__setattr__(self, "friction", friction)
+        object.__setattr__(
+            self, "gravity", _pair(self.gravity, "scene.gravity", "(x, y) in m/s²", "m/s²")
+        )
+        normal = positive(self.normal_gravity, "scene.normal_gravity", unit="m/s²", or_zero=True)
+        object.__setattr__(self, "normal_gravity", normal)
         if not isinstance(self.obstacles, Sequence) or not all(
             isinstance(obstacle, Box) for obstacle in self.obstacles
         ):
@@ -67,6 +90,19 @@ class Scene:
                 "pass (coopenv.Box(center=..., size=...), ...)"
             )
         object.__setattr__(self, "obstacles", tuple(self.obstacles))
+
+    @property
+    def has_weight(self) -> bool:
+        """Whether there is gravity in the plane."""
+        return self.gravity != (0.0, 0.0)
+
+    def check(self, body: Body) -> None:
+        """Raise `InvalidInput` where the body cannot be in this room: wheels need a level one."""
+        if self.has_weight and body.nonholonomic:
+            raise InvalidInput(
+                f"scene.gravity must be (0, 0) for a body on wheels, got {self.gravity}; its "
+                "wheels stand on a level ground: take a body without, or gravity away"
+            )
 
     def solids(self) -> list[FloatArray]:
         """Every wall and obstacle as the vertices ``(4, 2)`` of a convex polygon [m]."""
@@ -108,12 +144,12 @@ def _apart(first: FloatArray, second: FloatArray) -> bool:
     return False
 
 
-def _pair(value: object, name: str) -> tuple[float, float]:
+def _pair(
+    value: object, name: str, how: str = "(x, y) in metres", unit: str = "m"
+) -> tuple[float, float]:
     array = finite_array(value, name)
     if array.shape != (2,):
-        raise InvalidInput(f"{name} must be two numbers, got {value!r}; pass (x, y) in metres")
+        raise InvalidInput(f"{name} must be two numbers, got {value!r}; pass {how}")
     if (np.abs(array) > FARTHEST).any():
-        raise InvalidInput(
-            f"{name} must be within {FARTHEST:g} m, got {value!r}; pass (x, y) in metres"
-        )
+        raise InvalidInput(f"{name} must be within {FARTHEST:g} {unit}, got {value!r}; pass {how}")
     return float(array[0]), float(array[1])

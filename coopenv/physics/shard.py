@@ -14,6 +14,7 @@ from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import BodyLost
 from coopenv.physics import compliance, motion
 from coopenv.physics.body import Body
+from coopenv.physics.friction import held
 from coopenv.physics.scene import WALL_THICKNESS, Scene
 
 SOLVER_ITERATIONS = 10
@@ -46,7 +47,7 @@ class Shard:
         self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float, reach: float
     ):
         self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
-        self._table = _table(bodies, substep)
+        self._table = _table(bodies, scenes, substep)
         self.space = pymunk.Space()
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
@@ -62,7 +63,7 @@ class Shard:
         ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
-        self._expected = np.zeros((len(bodies), 6))
+        self._expected = np.zeros((len(bodies), motion.NUM_EXPECTED))
         self._command, self._commands = _array_of(_buffer(self), len(bodies))
         self._report, self._reports = _array_of(_buffer(self), len(bodies))
         self._names = _buffer(self)
@@ -70,7 +71,7 @@ class Shard:
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         """As `World.furnish`; here as below, worlds are counted within the shard."""
-        self._table[worlds] = _table(bodies, self._substep)
+        self._table[worlds] = _table(bodies, scenes, self._substep)
         for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
             self._bodies[k] = body
             if scene == self._scenes[k]:
@@ -92,6 +93,7 @@ class Shard:
             assert old.body is not None
             self.space.remove(old, old.body)
             self._shapes[k] = self._add(k, x, y, angle)
+        self._expected[worlds] = 0.0  # no contact lasts
         # A step of no time moves nothing. It lets go of the shapes that were removed, which the
         # space otherwise keeps until it steps, however often worlds are placed meanwhile.
         self.space.step(0.0)
@@ -99,6 +101,7 @@ class Shard:
 
     def move(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put bodies that remember no contact elsewhere."""
+        self._expected[worlds] = 0.0  # what they touched before they were there
         position = (pose[:, :2] + self._origin[worlds]).tolist()
         for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
             body = self._shapes[k].body
@@ -194,7 +197,7 @@ class Shard:
         return order[np.searchsorted(listed, self._ids, sorter=order)]
 
 
-def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
+def _table(bodies: Sequence[Body], scenes: Sequence[Scene], substep: float) -> FloatArray:
     return motion.coefficients(
         np.array([body.mass for body in bodies]),
         np.array([body.inertia for body in bodies]),
@@ -203,6 +206,8 @@ def _table(bodies: Sequence[Body], substep: float) -> FloatArray:
         substep,
         np.array([body.nonholonomic for body in bodies]),
         np.array([body.reach for body in bodies]),
+        np.array([scene.gravity for scene in scenes]),
+        np.array([held(body, scene) for body, scene in zip(bodies, scenes, strict=True)]),
     )
 
 

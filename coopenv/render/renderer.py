@@ -172,7 +172,8 @@ class Renderer:
         for obstacle in self.scene.obstacles:
             outline = self._pixels(obstacle.vertices)
             with canvas.fine(around([outline], 5 * unit)) as pen:
-                pen.polygon(outline + 2.5 * unit, SHADOW)
+                if not self.scene.has_weight:  # an upright plane is seen from the side
+                    pen.polygon(outline + 2.5 * unit, SHADOW)
                 pen.polygon(outline, WALL)
         self._caption.paint(canvas)
         return canvas.pixels.copy()
@@ -217,7 +218,8 @@ class Renderer:
         arrived = transition.success[self.world]
         fill, edge = (BODY_ARRIVED, ARRIVED) if arrived else (BODY, EDGE)
         with self._canvas.fine(around([outline], 5 * unit)) as pen:
-            pen.polygon(outline + 2.5 * unit, SHADOW)
+            if not self.scene.has_weight:
+                pen.polygon(outline + 2.5 * unit, SHADOW)
             pen.polygon(outline, fill)
             pen.line(outline, 1.6 * unit, edge, closed=True)
             for wheel in wheels(self.body) if self.body.nonholonomic else ():

@@ -162,7 +162,7 @@ class SteppedWorlds:
         self.transition = None  # from the middle of a step no episode goes on
         given = self.handling.move(self.world, joint, self.team)
         next_state = self._state(before.next_state.goal, self._episodes.tick())
-        success, truncated = self._episodes.judge(self.conditions, next_state)
+        success, terminated, truncated = self._episodes.judge(self.conditions, next_state)
         self.transition = transition = Transition.of_step(
             state=before.next_state,
             next_state=next_state,
@@ -173,7 +173,7 @@ class SteppedWorlds:
             contact_impulse=self.world.contact_impulse,
             contact_shift=self.world.contact_shift,
             success=success,
-            terminated=success,
+            terminated=terminated,
             truncated=truncated,
             dt=self.dt,
             horizon=self.horizon,
@@ -194,7 +194,7 @@ class SteppedWorlds:
         if clipped is not None:
             self._info[CLIPPED] = clipped
         self._info.update(driven.info(transition))
-        return reward, success, truncated
+        return reward, terminated, truncated
 
     def _running(self, restart: BoolArray | None) -> Transition:
         """The last transition; raises `ResetNeeded` unless a step may follow in every world."""

@@ -13,6 +13,7 @@ from coopenv.tasks.base import (
     WayTask,
 )
 from coopenv.tasks.doorway import DoorwayTask
+from coopenv.tasks.lift import LiftTask
 from coopenv.tasks.pose import PoseTask
 from coopenv.tasks.reference import Reference
 from coopenv.tasks.rolling import RollingTask
@@ -22,7 +23,14 @@ from coopenv.tasks.walker_avoid import WalkerAvoidTask
 from coopenv.tasks.walker_turn import WalkerTurnTask
 
 # Those of this package, as JSON may name them.
-TASKS = (TransportTask, DoorwayTask, TrackingTask, WalkerAvoidTask, WalkerTurnTask)
+TASKS = (
+    TransportTask,
+    DoorwayTask,
+    TrackingTask,
+    WalkerAvoidTask,
+    WalkerTurnTask,
+    LiftTask,
+)
 
 __all__ = [
     "TASKS",
@@ -31,6 +39,7 @@ __all__ = [
     "FurnishedTask",
     "GuidedTask",
     "JudgedTask",
+    "LiftTask",
     "MarkedTask",
     "MovingTask",
     "Pose",

@@ -84,6 +84,13 @@ class Task(ABC):
     def success(self, pose: FloatArray, twist: FloatArray, goal: FloatArray) -> BoolArray:
         """Whether each world is done, ``(world,)``."""
 
+    def failure(self, pose: FloatArray, twist: FloatArray, goal: FloatArray) -> BoolArray:
+        """Whether each world has failed, ``(world,)``, which ends its episode; never.
+
+        Where success and failure meet, it is a failure.
+        """
+        return np.zeros(len(pose), dtype=np.bool_)
+
     @property
     def moves(self) -> bool:
         """Whether the goal moves within an episode: where `goal_at` is overridden."""

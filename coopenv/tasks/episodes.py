@@ -31,6 +31,7 @@ class Episodes:
         self._task, self._dt, self._horizon = task, dt, horizon
         # A neutral answer is not asked for: it would cost an array operation a step.
         self._may_be_early, self._is_judged = overrides(task, "due"), overrides(task, "accepts")
+        self._may_fail = overrides(task, "failure")
         self._steps = np.zeros(num_worlds, dtype=np.int64)
         self._distances = np.zeros(num_worlds)  # [m] sum over the steps of the episode
         self._ended, self._any_ended = np.ones(num_worlds, dtype=np.bool_), True
@@ -73,8 +74,8 @@ class Episodes:
         _tick(self._steps, self._dt, time)
         return time
 
-    def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray]:
-        """Which worlds ``(world,)`` are done in this state, and which have run out of time."""
+    def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray, BoolArray]:
+        """Which worlds ``(world,)`` are done, which ended by that or by failure, which by time."""
         task = self._task
         success = task.success(state.pose, state.twist, state.goal)
         if self._may_be_early:
@@ -82,9 +83,13 @@ class Episodes:
         if self._is_judged:
             self._distances = self._distances + state.distance
             success = success & task.accepts(self._distances / self._steps)
+        terminated = success
+        if self._may_fail:
+            failed = task.failure(state.pose, state.twist, state.goal)
+            success, terminated = success & ~failed, success | failed
         truncated = np.empty(len(self._steps), dtype=np.bool_)
-        self._any_ended = _end(success, self._steps, self._horizon, truncated, self._ended)
-        return success, truncated
+        self._any_ended = _end(terminated, self._steps, self._horizon, truncated, self._ended)
+        return success, terminated, truncated
 
 
 @compiled
@@ -96,8 +101,8 @@ def _tick(steps, dt, time):
 
 
 @compiled
-def _end(success, steps, horizon, truncated, ended):
+def _end(terminated, steps, horizon, truncated, ended):
     """Write which worlds ran out of time and which ended either way; return whether any did."""
-    truncated[:] = (steps >= horizon) & ~success  # raises where a task judged too few worlds
-    ended[:] = truncated | success
+    truncated[:] = (steps >= horizon) & ~terminated  # raises where a task judged too few worlds
+    ended[:] = truncated | terminated
     return ended.any()

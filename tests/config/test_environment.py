@@ -29,7 +29,7 @@ from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, ranges
 from coopenv.wrench import Settings
-from tests.helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO
+from tests.helpers import CLUTTERED, IDS, OPEN_ROOM, OPTIONS, OWN_OPTIONS, PARALLEL, TRIO, room
 
 HALL = Scene(size=(7.0, 4.0))
 
@@ -236,7 +236,8 @@ JSON_CASES = {  # every id with what it has to bring back
         f"{view}-{name}": (view, values)
         for view in IDS[1:]
         for name, values in {
-            **{name: JSON[name] for name in ("defaults", "room", "cluttered")},
+            **{name: JSON[name] for name in ("defaults", "cluttered")},
+            "room": {"scene": room(view, OPEN_ROOM)},
             **OWN_OPTIONS.get(view, {}),
         }.items()
     },

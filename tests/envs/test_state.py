@@ -12,7 +12,7 @@ import pytest
 from coopenv import Transport
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
-from tests.helpers import IDS, PARALLEL, actions, assert_same, parallel_actions
+from tests.helpers import IDS, LEVEL, PARALLEL, actions, assert_same, parallel_actions
 
 HORIZON = 14  # so that an episode ends in the middle of a ride
 KEYWORDS: dict[str, Any] = {"horizon": HORIZON, "partner": "noisy"}
@@ -134,7 +134,7 @@ def test_a_view_goes_on_from_its_state_to_the_same_bits(kind, end):
 
 
 @EVERY_VIEW
-@pytest.mark.parametrize("view", IDS)
+@pytest.mark.parametrize("view", LEVEL)
 @pytest.mark.parametrize("again", AGAIN)
 def test_a_view_is_copied_within_an_episode_and_goes_on_to_the_same_bits(kind, view, again):
     env, plan = begun(kind, view, 5), plan_of(kind, view, 2 * HORIZON, 2)

@@ -13,13 +13,14 @@ from tests.helpers import (
     EASY_TASKS,
     IDS,
     OPEN_ROOM,
-    OPTIONS,
     PARALLEL,
     TRIO,
     actions,
     assert_same,
     constant,
+    option,
     parallel_actions,
+    room,
 )
 
 AGREEING = [
@@ -58,7 +59,7 @@ def agent_info(info, i):
 
 def episode(view, name):
     """A core of one world, its first observation, and every step under random actions."""
-    core = Transport(config=find_config(view, {"horizon": 30, **OPTIONS[name]}))
+    core = Transport(config=find_config(view, {"horizon": 30, **option(view, name)}))
     first, steps = core.reset(seed=40), []
     for action in actions(0, core.horizon, 1, core.num_agents, core.action_size).astype(np.float32):
         steps.append((action[0], *core.step(action)))
@@ -74,7 +75,7 @@ def joint(array):
 @EVERY_PAIR
 def test_the_gymnasium_view_shows_the_core_to_the_bit(view, name):
     _, first, steps = episode(view, name)
-    env = gymnasium.make(view, **{"horizon": 30, **OPTIONS[name]})
+    env = gymnasium.make(view, **{"horizon": 30, **option(view, name)})
     obs, info = env.reset(seed=40)
     np.testing.assert_array_equal(obs, joint(first[0]), strict=True)
     assert list(info) == list(first[1])
@@ -92,7 +93,7 @@ def test_the_gymnasium_view_shows_the_core_to_the_bit(view, name):
 @EVERY_PAIR
 def test_the_parallel_view_shows_the_core_to_the_bit(view, name):
     core, first, steps = episode(view, name)
-    env = PARALLEL[view].parallel_env(**{"horizon": 30, **OPTIONS[name]})
+    env = PARALLEL[view].parallel_env(**{"horizon": 30, **option(view, name)})
     assert env.possible_agents == [f"agent_{i}" for i in range(core.num_agents)]
     obs, info = env.reset(seed=40)
     for i, agent in enumerate(env.possible_agents):
@@ -111,7 +112,7 @@ def test_the_parallel_view_shows_the_core_to_the_bit(view, name):
 
 @EVERY_PAIR
 def test_the_turn_taking_view_shows_the_parallel_one_to_the_bit(view, name):
-    module, keywords = PARALLEL[view], {"horizon": 30, **OPTIONS[name]}
+    module, keywords = PARALLEL[view], {"horizon": 30, **option(view, name)}
     parallel, turns = module.parallel_env(**keywords), module.env(**keywords)
     obs, info = parallel.reset(seed=40)
     turns.reset(seed=40)
@@ -138,7 +139,7 @@ def test_the_turn_taking_view_shows_the_parallel_one_to_the_bit(view, name):
 
 @EVERY_PAIR
 def test_the_vector_view_shows_the_core_to_the_bit(view, name):
-    keywords = {"horizon": 12, "task": EASY_TASKS[view], **OPTIONS[name]}
+    keywords = {"horizon": 12, "task": EASY_TASKS[view], **option(view, name)}
     core = Transport(num_worlds=3, config=find_config(view, keywords))
     env = gymnasium.make_vec(view, num_envs=3, autoreset_mode="Disabled", **keywords)
     mask = None
@@ -240,7 +241,7 @@ def test_the_vector_view_behaves_as_gymnasiums_own_over_single_ones(view, name, 
 
 @pytest.mark.parametrize("view", IDS)
 def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
-    keywords = {"horizon": 6, "scene": OPEN_ROOM}
+    keywords = {"horizon": 6, "scene": room(view, OPEN_ROOM)}
     vector = gymnasium.make_vec(view, num_envs=3, autoreset_mode="SameStep", **keywords)
     singles = [gymnasium.make(view, **keywords) for _ in range(3)]
     still = constant(vector)
@@ -253,7 +254,7 @@ def test_vector_world_k_goes_on_through_autoresets_as_the_single_one_does(view):
 
 @pytest.mark.parametrize("view", IDS)
 def test_gymnasiums_worker_processes_take_the_environment(view):
-    keywords = {"scene": CLUTTERED, "reward": "harmony", "horizon": 4}
+    keywords = {"scene": room(view, CLUTTERED), "reward": "harmony", "horizon": 4}
     workers = AsyncVectorEnv([lambda: gymnasium.make(view, **keywords) for _ in range(2)])
     try:
         near = SyncVectorEnv([lambda: gymnasium.make(view, **keywords) for _ in range(2)])

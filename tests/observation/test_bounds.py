@@ -29,6 +29,7 @@ EVERYTHING = {
     "coopenv/BeamDoorway-v0": ("gap",),
     "coopenv/BeamTracking-v0": ("preview", "reference_twist"),
     "coopenv/WalkerAvoid-v0": ("nearest",),
+    "coopenv/BeamLift-v0": ("hurdle", "down"),
 }
 
 

@@ -206,7 +206,9 @@ def judged(task, distances, *, horizon=5, success=True):
             time=time,
         )
         conditions: Conditions = core.conditions
-        seen.append([bool(each[0]) for each in episodes.judge(conditions, state)])
+        done, terminated, truncated = episodes.judge(conditions, state)
+        assert terminated[0] == done[0]
+        seen.append([bool(done[0]), bool(truncated[0])])
     return seen
 
 

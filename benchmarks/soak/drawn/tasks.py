@@ -7,6 +7,7 @@ import numpy as np
 
 from coopenv import (
     DoorwayTask,
+    LiftTask,
     Reference,
     TrackingTask,
     TransportConfig,
@@ -55,6 +56,13 @@ def _own(rng: np.random.Generator, task: Any) -> dict[str, Any]:
         }
     if isinstance(task, WalkerAvoidTask):
         return {"obstacles": int(rng.integers(1, 4)), "veer": rng.uniform(0.0, 0.5)}
+    if isinstance(task, LiftTask):
+        low = rng.uniform(0.3, 1.2)
+        return {
+            "obstacle_height": (low, low + rng.uniform(0.0, 0.4)),
+            "obstacle_width": rng.uniform(0.1, 0.5),
+            "tilt_limit": rng.uniform(0.2, 3.2),
+        }
     if isinstance(task, WalkerTurnTask):
         return {"turn": (rng.uniform(0.0, 0.5), rng.uniform(0.6, 2.5))}
     return {"min_distance": rng.uniform(0.0, 2.0)}

@@ -9,6 +9,7 @@ from coopenv import Body, DoorwayTask, Scene, TrackingTask, Transport, Transport
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.controllers.doorway import DoorwayController
 from coopenv.agents.controllers.impedance import ImpedanceController
+from coopenv.agents.controllers.lift import LiftController
 from coopenv.agents.controllers.tracking import TrackingController
 from coopenv.agents.evaluate import evaluate
 from coopenv.envs.registry import find_config
@@ -26,6 +27,7 @@ def test_each_task_gets_its_own_controller():
         ("BeamTransport", ImpedanceController),
         ("BeamDoorway", DoorwayController),
         ("BeamTracking", TrackingController),
+        ("BeamLift", LiftController),
     ):
         assert type(find_controller(find_config(f"coopenv/{env}-v0", {}))) is kind
     with pytest.raises(UnknownName, match="nonsqueezing"):

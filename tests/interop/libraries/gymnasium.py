@@ -21,6 +21,7 @@ IDS = [
     "coopenv/BeamTracking-v0",
     "coopenv/WalkerTurn-v0",
     "coopenv/WalkerAvoid-v0",
+    "coopenv/BeamLift-v0",
 ]
 
 
