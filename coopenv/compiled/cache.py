@@ -14,6 +14,7 @@ import pickle
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -142,24 +143,23 @@ def _checked(kind: Any) -> Any:
 
 
 _KernelCache, _LoopCache = _checked(FunctionCache), _checked(wrappers.GufWrapperCache)
-_PLACES = tuple(map(_read_only, CompileResultCacheImpl._locator_classes))
 
 
-def _of_places(ours: Any) -> list[Any]:
+@cache
+def _read_only_kinds(ours: Any) -> list[Any]:
     """A kind of cache for each kind of folder that cannot be written."""
     kinds = []
-    for place in _PLACES:
-        impl = type("ReadOnlyImpl", (ours._impl_class,), {"_locator_classes": [place]})
-        kinds.append(type("ReadOnly", (ours,), {"_impl_class": impl}))
+    for place in CompileResultCacheImpl._locator_classes:
+        if place is not _Locator:
+            locators = {"_locator_classes": [_read_only(place)]}
+            impl = type("ReadOnlyImpl", (ours._impl_class,), locators)
+            kinds.append(type("ReadOnly", (ours,), {"_impl_class": impl}))
     return kinds
-
-
-_READ_ONLY = {ours: _of_places(ours) for ours in (_KernelCache, _LoopCache)}
 
 
 def _elsewhere(ours: Any, py_func: Any) -> Iterator[Any]:
     """Caches that cannot be written and hold the function compiled as it now stands."""
-    for kind in () if py_func in _FORGOTTEN else _READ_ONLY[ours]:
+    for kind in () if py_func in _forgotten else _read_only_kinds(ours):
         try:
             cache = kind(py_func)
         except RuntimeError:  # there is no such folder
@@ -199,7 +199,7 @@ class _Nowhere(NullCache):
 
 def forget_loop(function: Any) -> None:
     """Have what NumPy calls of a gufunc compiled again."""
-    _FORGOTTEN.add(function)
+    _forgotten.add(function)
     wrappers.GufWrapperCache(py_func=function).flush()
 
 
@@ -222,7 +222,7 @@ def _warn(error: Exception) -> None:
 
 
 _warned: list[Exception] = []
-_FORGOTTEN: WeakSet[Any] = WeakSet()  # functions whose read-only code is of no use
+_forgotten: WeakSet[Any] = WeakSet()  # functions whose read-only code is of no use
 CompileResultCacheImpl._locator_classes.insert(0, _Locator)
 
 _replaced: dict[str, Any] = {

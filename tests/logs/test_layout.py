@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+pytest.importorskip("pyarrow")
+
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs import Layout, analyse, read
 from coopenv.logs.layout import UNITS, parse_mapping

@@ -28,7 +28,7 @@ GROWTH = 100.0  # 2 as two forces change; more than 20 in one of 10,000, in thin
 
 def nearly_coincide(grips: FloatArray) -> BoolArray:
     """Whether ``(...)`` rounding may decide on the optimum at grips ``(..., n, d)``."""
-    return np.isfinite(least_lever(grips))
+    return np.isfinite(_least_lever(grips))
 
 
 def with_rounding_counted(solve: Solve, grips: FloatArray, settings: Settings) -> Solve:
@@ -45,7 +45,7 @@ def with_rounding_counted(solve: Solve, grips: FloatArray, settings: Settings) -
     settings
         Torque weight and whether induced torque is costed.
     """
-    lever = least_lever(grips)
+    lever = _least_lever(grips)
     if not np.isfinite(lever).any():
         return solve
     return partial(_solve, solve, lever, grips, settings)
@@ -69,6 +69,11 @@ def _solve(
     worth = GROWTH * price * _missed(applied, answer.manipulation, grips) / lever
     below = np.minimum(answer.gap + worth, saved)
     return answer._replace(gap=np.maximum(answer.gap, np.minimum(below, cost)))
+
+
+def _least_lever(grips: FloatArray) -> FloatArray:
+    with np.errstate(invalid="ignore"):  # numba 0.61 sets the flag where no number is
+        return least_lever(grips)
 
 
 def _missed(applied: FloatArray, manipulation: FloatArray, grips: FloatArray) -> FloatArray:
