@@ -162,13 +162,16 @@ def _met(table, k, hands, start_c, start_s, rate, free_x, free_y, free_turn):
     turn_gain = table[k, TURN_GAIN]
     heavy, slow = 1 / table[k, PATH_GAIN], 1 / turn_gain
     x, y, turn = free_x, free_y, free_turn
-    for attempt in range(_MOST):
+    attempt = 0
+    while True:
+        attempt += 1
         c, s, chord = _middle(start_c, start_s, turn / 2)
-        pull = _pull(k, hands, rate, x, y, turn, chord, c, s, attempt < _NEWTON)
+        pull = _pull(k, hands, rate, x, y, turn, chord, c, s, attempt <= _NEWTON)
         fx, fy = pull.fx - heavy * (x - free_x), pull.fy - heavy * (y - free_y)
         torque = pull.torque - slow * (turn - free_turn)
         close = abs(fx) + abs(fy) <= _CLOSE * (pull.load + heavy * (abs(x) + abs(y)))
-        if close and abs(torque) <= _CLOSE * (pull.turning + slow * abs(turn)):
+        close = close and abs(torque) <= _CLOSE * (pull.turning + slow * abs(turn))
+        if close or attempt == _MOST:
             break
         dx, dy, dt = _solved(
             heavy + pull.xx, pull.xy, pull.xt, heavy + pull.yy, pull.yt, slow + pull.tt,
@@ -187,14 +190,17 @@ def _rolled(table, k, pose, twist, hands, start_c, start_s, rate):
     gain = table[k, NODE_PATH] + table[k, NODE_PATH + 1] + table[k, NODE_PATH + 2]
     heavy, slow = 1 / gain, 1 / table[k, TURN_GAIN]
     way, turn = free_way, free_turn
-    for attempt in range(_MOST):
+    attempt = 0
+    while True:
+        attempt += 1
         c, s, chord = _middle(start_c, start_s, turn / 2)
         ux, uy = chord * c, chord * s  # displacement for a unit of way
-        pull = _pull(k, hands, rate, way * ux, way * uy, turn, chord, c, s, attempt < _NEWTON)
+        pull = _pull(k, hands, rate, way * ux, way * uy, turn, chord, c, s, attempt <= _NEWTON)
         thrust = ux * pull.fx + uy * pull.fy
         force, torque = thrust - heavy * (way - free_way), pull.torque - slow * (turn - free_turn)
         close = abs(force) <= _CLOSE * (pull.load + heavy * abs(way))
-        if close and abs(torque) <= _CLOSE * (pull.turning + slow * abs(turn)):
+        close = close and abs(torque) <= _CLOSE * (pull.turning + slow * abs(turn))
+        if close or attempt == _MOST:
             break
         ww = heavy + ux * (ux * pull.xx + uy * pull.xy) + uy * (ux * pull.xy + uy * pull.yy)
         wt, tt = ux * pull.xt + uy * pull.yt, slow + pull.tt

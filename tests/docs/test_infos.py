@@ -22,6 +22,7 @@ def test_the_page_names_every_key_that_there_is(view):
         partner="walking",
         cost="contact",
         bounded=True,
+        action="motion",
     )
     _, info = env.reset(seed=0)
     grouped = {re.sub("^(reward|cost)/.*", r"\1/<term>", key) for key in info}

@@ -1,6 +1,7 @@
 """Hands on a body: their energy, and their motion against an independent integration."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from coopenv.physics.hands import Hands, needed_substeps
 from tests.helpers import TRIO
 from tests.physics.held import STRONG, Held
 
-GLIDING = {"linear_drag": 0.0, "angular_drag": 0.0}
+GLIDING: dict[str, Any] = {"linear_drag": 0.0, "angular_drag": 0.0}
 UNDAMPED = Hands(damping=0.0, torque_damping=0.0)
 
 

@@ -1,5 +1,7 @@
 """Actions that hands carry out: motion and impedance."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,7 @@ from coopenv.agents.controllers import (
     WalkerController,
     find_controller,
 )
+from coopenv.arrays import FloatArray
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
 from tests.helpers import NEVER, OPEN_ROOM, TRIO, actions, assert_same
@@ -24,6 +27,13 @@ def started(num_worlds: int = 1, seed: int = 0, **keywords) -> Transport:
     core = Transport(num_worlds=num_worlds, **keywords)
     core.reset(seed=seed)
     return core
+
+
+def stretch_of(core: Transport) -> FloatArray:
+    assert core.transition is not None
+    stretch = core.transition.stretch
+    assert stretch is not None
+    return stretch
 
 
 def after(core: Transport, action, steps: int) -> dict:
@@ -41,9 +51,7 @@ def test_references_held_apart_along_the_beam_load_it_by_half_of_stiffness_times
     after(core, outwards, 8)
     info = after(core, 0 * outwards, 100)
     apart = 2 * 8 * 0.05 * 0.1  # [m]
-    assert core.transition is not None
-    stretch = core.transition.stretch
-    assert stretch is not None
+    stretch = stretch_of(core)
     np.testing.assert_allclose(stretch[0, :, 0], [-apart / 2, apart / 2], atol=1e-9)
     internal = np.linalg.norm(info["internal_wrench"][0, :, :2], axis=-1)
     np.testing.assert_allclose(internal, 150.0 * apart / 2, rtol=1e-6)
@@ -72,9 +80,7 @@ def test_a_hand_moves_as_fast_as_its_own_speed_says():
     core = started(hands=hands, body=Body(linear_drag=1e9, angular_drag=1e9), torque_limit=100.0)
     info = after(core, np.array([[(-1.0, 0.5, 1.0), (-1.0, 0.5, 1.0)]]), 10)
     assert info["stored_energy"].shape == (1, 2)
-    assert core.transition is not None
-    stretch = core.transition.stretch
-    assert stretch is not None
+    stretch = stretch_of(core)
     gone = 10 * 0.05 * np.array([(-0.2, 0.1, 0.3), (0.4, -0.2, 0.6)])
     np.testing.assert_allclose(stretch[0], gone, rtol=1e-6)
 
@@ -103,7 +109,7 @@ def test_stored_energy_is_told_from_the_reset_on(action):
         assert core.transition is not None
         spring = np.array([150.0, 150.0, 20.0])
         if action == "motion":
-            energy = (spring * np.square(core.transition.stretch)).sum(axis=-1) / 2
+            energy = (spring * np.square(stretch_of(core))).sum(axis=-1) / 2
             np.testing.assert_allclose(info["stored_energy"], energy, rtol=1e-12)
         assert (info["stored_energy"] > 0.0).all()
 
@@ -141,7 +147,7 @@ def test_a_new_episode_begins_with_references_on_the_grips():
 def test_stiffness_and_damping_that_change_never_feed_energy_in(seed):
     """References at rest, stiffness and damping at random or at their bounds in every step."""
     chance = np.random.default_rng(seed)
-    drag = {"linear_drag": 0.0, "angular_drag": 0.0} if seed % 2 else {}
+    drag: dict[str, Any] = {"linear_drag": 0.0, "angular_drag": 0.0} if seed % 2 else {}
     core = started(8, seed % 1000, action="impedance", body=Body(**drag))
     for push in actions(seed % 2**31, 5, 8, 2, 5):
         core.step(push)
@@ -180,9 +186,9 @@ def test_force_is_kept_where_stiffness_rises_and_stretch_where_it_falls():
     stiff[..., 3] = 1.0
     after(core, stiff, 1)
     np.testing.assert_allclose(core.transition.applied, force, atol=1e-8)
-    np.testing.assert_allclose(core.transition.stretch, stretch / 4.0, atol=1e-9)
+    np.testing.assert_allclose(stretch_of(core), stretch / 4.0, atol=1e-9)
     after(core, rest, 1)
-    np.testing.assert_allclose(core.transition.stretch, stretch / 4.0, atol=1e-9)
+    np.testing.assert_allclose(stretch_of(core), stretch / 4.0, atol=1e-9)
     np.testing.assert_allclose(core.transition.applied, force / 4.0, atol=1e-8)
 
 
@@ -203,6 +209,7 @@ def test_zero_is_the_hand_itself_and_one_the_bounds():
 
 def test_a_partner_gives_wrenches_beside_a_hand():
     core = started(2, partner="leader", scene=Scene(size=(10.0, 10.0)))
+    info: dict[str, Any] = {}
     for push in actions(9, 20, 2, 1, 3):
         *_, info = core.step(push)
     assert core.transition is not None
@@ -231,7 +238,7 @@ def test_drawn_stiffness_and_damping_are_those_of_the_hands(action):
     if action == "motion":
         assert core.transition is not None
         spring = hands[..., [0, 0, 1]]
-        energy = (spring * np.square(core.transition.stretch)).sum(axis=-1) / 2
+        energy = (spring * np.square(stretch_of(core))).sum(axis=-1) / 2
         np.testing.assert_allclose(info["stored_energy"], energy, rtol=1e-12)
 
 
