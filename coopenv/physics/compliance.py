@@ -137,7 +137,8 @@ def _pushed(table, k, pose, twist, hands, start_c, start_s, rate, expected):
     free_y = table[k, COAST] * vy + table[k, FALL_PATH + 1]
     free_turn = table[k, SPIN_COAST] * spin
     gain, grown = table[k, PATH_GAIN], table[k, SPEED_GAIN]
-    for borne in range(2):
+    borne = False
+    while True:
         c, s, chord, pull = _met(table, k, hands, start_c, start_s, rate, free_x, free_y, free_turn)
         moved = (
             free_x + gain * pull.fx,
@@ -152,7 +153,7 @@ def _pushed(table, k, pose, twist, hands, start_c, start_s, rate, expected):
         dx, dy, turn = supported(table, k, (vx, vy, spin), expected, moved, 1 / rate)
         if dx == 0.0 and dy == 0.0 and turn == 0.0:
             break
-        free_x, free_y, free_turn = free_x + dx, free_y + dy, free_turn + turn
+        free_x, free_y, free_turn, borne = free_x + dx, free_y + dy, free_turn + turn, True
     return c, s, chord, moved
 
 

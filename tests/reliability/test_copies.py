@@ -16,7 +16,7 @@ from coopenv.agents.partners import PARTNERS, find_partner
 from coopenv.agents.policy import Policy, forget
 from coopenv.arrays import FloatArray
 from coopenv.envs.registry import find_config
-from tests.helpers import IDS, PARALLEL, actions, assert_same
+from tests.helpers import IDS, LEVEL, PARALLEL, actions, assert_same
 from tests.reliability.processes import in_fork
 
 AGAIN: dict[str, Callable[[Any], Any]] = {
@@ -60,7 +60,7 @@ def test_a_core_can_be_copied_before_its_first_reset(name, again):
 
 
 @pytest.mark.parametrize("again", AGAIN)
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", LEVEL)
 def test_a_core_can_be_copied_with_episodes_under_way(name, again):
     core = Transport(num_worlds=3, config=find_config(name, {"horizon": 12}))
     core.reset(seed=1)

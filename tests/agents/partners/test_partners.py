@@ -349,7 +349,10 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
         wanted = controller.object_wrench(core.transition)
         row, size = gains_row(gains), core.transition.conditions.room.size
         for k in range(15):
-            weights = (load.mass[k], load.inertia[k], load.linear_drag[k], load.angular_drag[k])
+            weights = (
+                load.mass[k], load.inertia[k], load.linear_drag[k], load.angular_drag[k],
+                *core.transition.conditions.room.gravity[k],
+            )  # fmt: skip
             mine = object_wrench(
                 row, state.pose[k], state.twist[k], state.goal[k],
                 weights, size[k], Outline(load.outline, k, body.reach),

@@ -39,7 +39,7 @@ def stepped(
     out = hands.act(
         tuple(mind),
         (*seen, np.array([APPLIED])),
-        (*load, outline, np.array([0.51]), np.array([(20.0, 20.0)])),
+        (*load, outline, np.array([0.51]), np.array([(20.0, 20.0)]), np.zeros((1, 2))),
         (np.array([GRIPS]), frame, np.array([limits]), PARTS[None], 2 * PARTS[None],
          np.array(driven)),
         DT,

@@ -26,7 +26,7 @@ from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.studies.dyads.people import People
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
-from tests.helpers import IDS, TRIO, actions, side_by_side
+from tests.helpers import IDS, LEVEL, TRIO, actions, side_by_side
 
 BEAMS = tuple(name for name in IDS if "Beam" in name)
 WALKERS = tuple(name for name in IDS if "Walker" in name)
@@ -72,8 +72,10 @@ def test_beside_the_default_partner_of_a_walker_the_scripted_drive_succeeds(view
     assert succeeded(view, default_partner(find_config(view, {}))) >= 0.95
 
 
-@EVERY_ID
-@pytest.mark.parametrize("partner", ["walking", "robot"])
+@pytest.mark.parametrize(
+    ("view", "partner"),
+    [*((view, "walking") for view in LEVEL), *((view, "robot") for view in IDS)],
+)
 def test_who_knows_the_way_and_the_scripted_learner_succeed(view, partner):
     assert succeeded(view, partner) >= 0.95
 
@@ -134,7 +136,12 @@ def test_its_plan_is_the_goal_and_nobody_disagrees(view):
         *_, info = core.step(np.zeros((3, 1, 3)))
 
 
-@pytest.mark.parametrize("view", BEAMS)
+def test_people_of_any_strength_drop_what_has_to_be_lifted_exactly_and_a_robot_does_not():
+    assert succeeded("coopenv/BeamLift-v0", "walking") < 0.7
+    assert succeeded("coopenv/BeamLift-v0", Walking(strength=1.0)) >= 0.95
+
+
+@pytest.mark.parametrize("view", [view for view in BEAMS if view in LEVEL])
 def test_a_plan_of_its_own_is_told_and_is_where_the_way_leads(view):
     """Alone, it arrives at its own plan; along a reference, it keeps beside it."""
     task = find_config(view, {}).task
