@@ -1,0 +1,47 @@
+"""Hands and weight: springs sag under a load, a floor bears it, a ground that rubs is refused."""
+
+import numpy as np
+import pytest
+
+from coopenv import Body, Hands, Scene, Transport
+from coopenv.errors import InvalidInput
+
+UPRIGHT = Scene(size=(6.0, 6.0), gravity=(0.0, -9.81))
+STILL = np.zeros((1, 2, 3))
+
+
+def held(steps: int, height: float, **keywords) -> Transport:
+    core = Transport(action="motion", horizon=steps, scene=UPRIGHT, **keywords)
+    core.reset(seed=0, pose=(0.0, height, 0.0), goal=(1.0, 1.0, 0.0))
+    for _ in range(steps):
+        core.step(STILL)
+    return core
+
+
+def test_a_load_hangs_in_hands_by_its_weight_over_their_stiffness():
+    stiffness = 2000.0
+    hands = Hands(stiffness=stiffness, damping=100.0)
+    core = held(200, 0.0, hands=hands, force_limit=80.0, substeps=10)
+    weight = core.bodies[0].mass * 9.81
+    after = core.transition
+    assert after is not None
+    np.testing.assert_allclose(after.next_state.pose[0, :2], (0.0, -weight / 2 / stiffness))
+    np.testing.assert_allclose(after.applied[0, :, 1], weight / 2)
+    assert after.stored_energy is not None
+    np.testing.assert_allclose(after.stored_energy[0], (weight / 2) ** 2 / (2 * stiffness))
+
+
+def test_a_floor_bears_what_weak_hands_do_not_and_nothing_moves():
+    core = held(400, -2.9, force_limit=20.0)
+    before = core.transition
+    assert before is not None
+    pulled = before.applied[0, :, 1].sum()
+    assert 1.0 < pulled < core.bodies[0].mass * 9.81
+    np.testing.assert_allclose(before.next_state.twist, 0.0, atol=1e-9)
+    bottom = before.next_state.pose[0, 1] + min(y for _, y in core.bodies[0].outline)
+    assert bottom == pytest.approx(-3.0, abs=3e-3)
+
+
+def test_hands_do_not_hold_what_rubs_on_its_ground():
+    with pytest.raises(InvalidInput, match=r"must be 0 where hands hold the body, got 0\.3"):
+        Transport(action="motion", body=Body(ground_friction=0.3))
