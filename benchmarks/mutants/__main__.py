@@ -2,7 +2,7 @@
 
 python -m benchmarks.mutants --mutants 200 --seed 0    # goes on where it was broken off
 python -m benchmarks.mutants --seed 0 --again          # tries survivors anew, with newer tests
-python -m benchmarks.mutants --seed 0 --write          # also writes docs/mutants.md
+python -m benchmarks.mutants --seed 0 --write          # also writes docs/mutants.md, of all seeds tried
 
 A seed's sample is that of one state of the code: where the code changes, another one is drawn.
 """
@@ -41,14 +41,14 @@ class Settings:
     jobs: int = 1
     """Files of tests recorded at a time."""
     write: bool = False
-    """Write docs/mutants.md."""
+    """Write docs/mutants.md, of all seeds whose mutants have been tried."""
 
 
 def main() -> None:
     """Try the sample and print what came of it."""
     settings = tyro.cli(Settings)
     warm_up()
-    results = Campaign(
+    campaign = Campaign(
         project=Project(root=ROOT),
         folder=settings.folder.resolve(),
         mutants=settings.mutants,
@@ -57,7 +57,8 @@ def main() -> None:
         again=settings.again,
         record_all=not settings.quick,
         jobs=settings.jobs,
-    ).run()
+    )
+    results = campaign.run()
     tables = (
         table(results, "folder", lambda result: result.folder),
         table(results, "operator", lambda result: result.operator),
@@ -73,7 +74,7 @@ def main() -> None:
     if settings.write:
         from benchmarks.mutants.page import write
 
-        write(results, settings.seed)
+        write(campaign.finished())
 
 
 if __name__ == "__main__":

@@ -62,6 +62,16 @@ class Campaign:
             )
         return [results.of[change.key] for _, change in drawn]
 
+    def finished(self) -> dict[int, list[Result]]:
+        """Results by seed, of all seeds whose mutants, as many as here, have been tried."""
+        found = {}
+        for path in sorted((self.folder / self.project.digest()).glob("seed-*.jsonl")):
+            seed, results = int(path.stem.removeprefix("seed-")), Results(path).of
+            keys = [change.key for _, change in sample(self.project, self.mutants, seed)]
+            if all(key in results for key in keys):
+                found[seed] = [results[key] for key in keys]
+        return found
+
     def _is_open(self, result: Result | None) -> bool:
         return result is None or (self.again and result.status in SURVIVED)
 

@@ -1,4 +1,5 @@
-"""Known mutants that change no behaviour: equivalent.toml, each with its reason.
+"""Known mutants, each with a reason: equivalent.toml has those that change no behaviour, and others
+that are left.
 
 One is known by its file and its lines before and after, so that it may move in the file.
 """
@@ -18,12 +19,12 @@ LIST = Path(__file__).with_name("equivalent.toml")
 
 
 @cache
-def known(path: Path = LIST) -> dict[tuple[str, str, str], str]:
-    """Reasons by file, line before and line after."""
-    entries = toml.loads(path.read_text(encoding="utf-8")).get("equivalent", [])
-    return {(one["file"], one["line"], one["changed"]): one["reason"] for one in entries}
+def entries(kind: str, path: Path = LIST) -> dict[tuple[str, str, str], str]:
+    """Reasons by file, line before and line after, of ``equivalent`` mutants or of those ``left``."""
+    found = toml.loads(path.read_text(encoding="utf-8")).get(kind, [])
+    return {(one["file"], one["line"], one["changed"]): one["reason"] for one in found}
 
 
 def reason(change: Change, source: Source, path: Path = LIST) -> str:
     """Why a change is none of behaviour; empty where nobody has said so."""
-    return known(path).get((change.file, *change.lines(source.text)), "")
+    return entries("equivalent", path).get((change.file, *change.lines(source.text)), "")

@@ -48,9 +48,12 @@ def test_a_fault_is_caught_and_a_gap_is_reported(tmp_path):
     assert "+ return a - 2 * b" in first
     assert "passed: tests/inner/test_sums.py (1)" in first
     assert "no test reaches it" in second
-    page = tables(results[:2], seed=0)
-    assert "50.0 % of 2 mutants" in page["score"]
-    assert "| `toy/inner` | 1 | 0 | 1 | 0 | 0 % |" in page["folders"]
+    page = tables({0: results[:2], 3: results[2:]})
+    assert page["score"].splitlines() == [
+        "- seed 0: 50.0 % of 2 mutants that change behaviour were caught; 0 more change none",
+        "- seed 3: 0.0 % of 1 mutants that change behaviour were caught; 0 more change none",
+    ]
+    assert "| `toy/inner` | 2 | 0 | 2 | 0 | 0 % |" in page["folders"]
     assert "`toy/inner/sums.py:2`" in page["survivors"]
 
 
