@@ -2,7 +2,7 @@
 
 python -m benchmarks.mutants --mutants 200 --seed 0    # goes on where it was broken off
 python -m benchmarks.mutants --seed 0 --again          # tries survivors anew, with newer tests
-python -m benchmarks.mutants --seed 0 --write          # also writes docs/mutants.md, of all seeds tried
+python -m benchmarks.mutants --seed 0 --write          # also writes docs/mutants.md, of all seeds
 
 A seed's sample is that of one state of the code: where the code changes, another one is drawn.
 """

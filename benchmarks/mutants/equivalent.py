@@ -20,7 +20,7 @@ LIST = Path(__file__).with_name("equivalent.toml")
 
 @cache
 def entries(kind: str, path: Path = LIST) -> dict[tuple[str, str, str], str]:
-    """Reasons by file, line before and line after, of ``equivalent`` mutants or of those ``left``."""
+    """Reasons by file, line before and after, of ``equivalent`` mutants or of those ``left``."""
     found = toml.loads(path.read_text(encoding="utf-8")).get(kind, [])
     return {(one["file"], one["line"], one["changed"]): one["reason"] for one in found}
 

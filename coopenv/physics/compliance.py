@@ -30,7 +30,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
-from coopenv.physics.motion import (
+from coopenv.physics.coefficients import (
     COAST,
     DECAY,
     FALL_PATH,
@@ -44,12 +44,8 @@ from coopenv.physics.motion import (
     SPIN_GAIN,
     TURN_GAIN,
     WHEELS,
-    Motion,
-    collect,
-    command_to,
-    roll,
-    supported,
 )
+from coopenv.physics.motion import Motion, collect, command_to, roll, supported
 
 _NEWTON, _MOST = 12, 60  # iterations by Newton's method, and at all
 _CLOSE = 1e-9  # of forces and torques, that in equilibrium are out by so much at most

@@ -14,6 +14,7 @@ from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import BodyLost
 from coopenv.physics import compliance, motion
 from coopenv.physics.body import Body
+from coopenv.physics.coefficients import NUM_EXPECTED, coefficients
 from coopenv.physics.friction import held
 from coopenv.physics.scene import WALL_THICKNESS, Scene
 
@@ -63,7 +64,7 @@ class Shard:
         ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
-        self._expected = np.zeros((len(bodies), motion.NUM_EXPECTED))
+        self._expected = np.zeros((len(bodies), NUM_EXPECTED))
         self._command, self._commands = _array_of(_buffer(self), len(bodies))
         self._report, self._reports = _array_of(_buffer(self), len(bodies))
         self._names = _buffer(self)
@@ -198,7 +199,7 @@ class Shard:
 
 
 def _table(bodies: Sequence[Body], scenes: Sequence[Scene], substep: float) -> FloatArray:
-    return motion.coefficients(
+    return coefficients(
         np.array([body.mass for body in bodies]),
         np.array([body.inertia for body in bodies]),
         np.array([body.linear_drag for body in bodies]),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from coopenv.physics import motion
+from coopenv.physics.coefficients import coefficients
 
 MASS, INERTIA, REACH = 2.0, 3.0, 0.5  # [kg], [kg·m²], [m]
 EXPECTED = [0.5, -0.2, 0.1, 1.0, 2.0, 0.3]  # twist and pose without contact
@@ -12,7 +13,7 @@ EXPECTED = [0.5, -0.2, 0.1, 1.0, 2.0, 0.3]  # twist and pose without contact
 def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0)):
     """Pose, twist, impulse, shift, and the world that is lost."""
     one = np.ones(1)
-    table = motion.coefficients(
+    table = coefficients(
         MASS * one, INERTIA * one, 0 * one, 0 * one, 0.02, np.array([wheels]), REACH * one
     )
     pose, twist = np.zeros((1, 3)), np.zeros((1, 3))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from coopenv import Body, Scene
 from coopenv.physics import contacts, motion
+from coopenv.physics.coefficients import coefficients
 from coopenv.physics.world import World
 
 SUBSTEP = 0.025  # [s]
@@ -26,7 +27,7 @@ def collected(expected, reported, *, wheels):
     ``expected`` is twist and pose without contact.
     """
     one = np.ones(1)
-    table = motion.coefficients(
+    table = coefficients(
         MASS * one, INERTIA * one, 0 * one, 0 * one, SUBSTEP, np.array([wheels]), one
     )
     pose, twist, impulse, shift = np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1), np.zeros(1)

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from coopenv.physics import motion
+from coopenv.physics.coefficients import coefficients
 
 MASS, INERTIA = 7.7, 2.5  # [kg], [kg·m²]
 FORCE = np.array([12.0, -5.0])  # [N], object frame
@@ -25,7 +26,7 @@ class Body:
     def after(self, seconds: float, force=(0.0, 0.0), torque=0.0, *, step=0.025):
         """Pose and twist after ``seconds`` under a wrench held in the object frame."""
         one = np.ones(1)
-        table = motion.coefficients(
+        table = coefficients(
             MASS * one, INERTIA * one, self.linear_drag * one, self.angular_drag * one, step
         )
         pose, twist = np.array(self.pose), np.array(self.twist)

@@ -9,6 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from coopenv import Body, Box, Scene, Transport
 from coopenv.errors import InvalidInput
 from coopenv.physics import contacts, motion
+from coopenv.physics.coefficients import coefficients
 from coopenv.physics.world import World
 from tests.helpers import OPEN_ROOM
 
@@ -26,7 +27,7 @@ def placed(*pose, body=WALKER, scene=OPEN_ROOM, substeps=2):
 def walker_table():
     """The walker's coefficient table, substeps of 25 ms."""
     mass, inertia, drag, angular_drag = (np.array([v]) for v in (25.0, 4.17, 1.0, 100.0))
-    return motion.coefficients(mass, inertia, drag, angular_drag, 0.025, np.array([True]))
+    return coefficients(mass, inertia, drag, angular_drag, 0.025, np.array([True]))
 
 
 def slip(pose, twist):

@@ -16,6 +16,7 @@ from coopenv import Body, Scene, Transport
 from coopenv.arrays import FloatArray
 from coopenv.envs.registry import find_config
 from coopenv.physics import motion
+from coopenv.physics.coefficients import NUM_EXPECTED, coefficients
 from coopenv.physics.friction import held
 from coopenv.physics.world import World
 from coopenv.wrench.grasp import sum_at_centre
@@ -160,7 +161,7 @@ class _Motion:
             np.array([getattr(body, name) for body in bodies], dtype=float)
             for name in ("mass", "inertia", "linear_drag", "angular_drag")
         )
-        self._table = motion.coefficients(
+        self._table = coefficients(
             self._mass,
             self._inertia,
             linear_drag,
@@ -178,7 +179,7 @@ class _Motion:
 
     def free_energy(self, pose: FloatArray, twist: FloatArray, wrench: FloatArray) -> FloatArray:
         """One substep later if nothing is touched: ``(world,)`` [J]; all else ``(world, 3)``."""
-        rows, expected = np.arange(len(pose)), np.zeros((len(pose), motion.NUM_EXPECTED))
+        rows, expected = np.arange(len(pose)), np.zeros((len(pose), NUM_EXPECTED))
         command = np.empty((len(pose), 6))
         motion.drive(rows, self._table, pose, twist, wrench, self._step, command, expected)
         return self.energy(expected[:, :3])

@@ -2,6 +2,8 @@
 
 from collections import Counter
 
+import pytest
+
 from benchmarks.mutants import equivalent
 from benchmarks.mutants.places import places
 from benchmarks.mutants.sample import sample
@@ -34,8 +36,9 @@ def test_an_equivalent_mutant_is_known_wherever_its_line_stands(tmp_path):
         assert not equivalent.reason(change_of(made, "<", ">="), made, known)
 
 
-def test_every_known_equivalent_still_stands_in_its_file():
-    for (file, line, changed), reason in equivalent.known().items():
+@pytest.mark.parametrize("kind", ["equivalent", "left"])
+def test_every_known_mutant_still_stands_in_its_file(kind):
+    for (file, line, changed), reason in equivalent.entries(kind).items():
         made = Source(file, (ROOT / file).read_bytes())
         lines = {change.lines(made.text) for found in places(made) for change in found}
         assert (line, changed) in lines, f"{file}: {line}"
