@@ -119,6 +119,7 @@ class Reach:
         """Names that lead from a definition to tests, and recorded tests that they lead to."""
         names, tests = {owner} - {""}, set()
         new, unseen = set(names), set(names)  # the latter: what coverage has not seen so far
+        kernels = set(names)  # all that it has not seen
         for _ in range(DEEPEST):
             users = [(name, definition) for name in new for definition in self._users[name]]
             new, before, unseen = set(), unseen, set()
@@ -128,11 +129,12 @@ class Reach:
                     tests |= on_lines
                     if not on_lines:
                         unseen.add(user.name)
+                        kernels.add(user.name)
                 new.add(user.name)
             new -= names
             names |= new
-        for file, words in self._words.items():  # tests that name it themselves
-            if owner in words:
+        for file, words in self._words.items():  # tests that name one of them themselves
+            if words & kernels:
                 tests |= {test for test in self.recording.seconds if test.startswith(f"{file}::")}
         return names, tests
 

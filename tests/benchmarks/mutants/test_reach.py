@@ -60,6 +60,19 @@ def test_a_line_that_no_test_ran_is_reached_by_none_though_its_function_is(tmp_p
     assert [one.test for one in found] == [test]
 
 
+def test_a_kernel_in_a_kernel_is_reached_by_the_tests_that_call_the_outer_one(tmp_path):
+    project = toy(tmp_path)
+    (project.root / "toy/beam.py").write_text(
+        "def within(x):\n    return x < 1\n\n\ndef reach(x, y):\n    return within(x + y)\n"
+    )
+    beam = Source("toy/beam.py", (project.root / "toy/beam.py").read_bytes())
+    test = "tests/test_beam.py::test_what_lies_beyond_is_at_the_limit"
+    recording = Recording(seconds={test: 0.1}, files=set(project.test_files()))
+    reach = Reach(project=project, recording=recording)
+    found = reach.tests(change_of(beam, "x < 1", "x <= 1"), beam)
+    assert [one.test for one in found] == [test]
+
+
 def test_a_file_of_tests_without_a_recording_counts_where_it_names_what_is_changed(tmp_path):
     project = toy(tmp_path)
     sums = Source("toy/inner/sums.py", (project.root / "toy/inner/sums.py").read_bytes())
