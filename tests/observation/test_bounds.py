@@ -23,6 +23,7 @@ from coopenv import (
 )
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
+from coopenv.observation.bounds import Bounds
 from tests.helpers import ALONG, IDS, NEVER, OPEN_ROOM, TRIO, actions
 
 EVERYTHING = {
@@ -94,6 +95,21 @@ def test_nobody_is_faster_than_the_bound_and_it_is_not_far(body):
     assert (fastest <= bound).all()
     if body in (Body(), Body(linear_drag=0.0, angular_drag=0.0)):  # else walls could give far more
         assert (fastest > np.array(bound) / 5).all()
+
+
+def test_speeds_are_bounded_by_the_box_round_the_ellipse_in_which_energy_grows():
+    body, limits = Body(linear_drag=4.0, angular_drag=0.5), np.array([[10.0, 5.0], [6.0, 2.0]])
+    found = Bounds.of((body,), (Scene(),), limits, None, 1e9).by_unit
+    forces = np.sqrt(2) * limits[:, 0]
+    force, torque = forces.sum(), (limits[:, 1] + 0.9 * forces).sum()
+    drag, spin_drag = body.linear_drag, body.angular_drag
+    reach = force**2 / drag / 4 + torque**2 / spin_drag / 4  # c (v − F/2c)² + d (ω − T/2d)²
+    speed = force / drag / 2 + np.sqrt(reach / drag)
+    spin = torque / spin_drag / 2 + np.sqrt(reach / spin_drag)
+    assert body.inertia is not None
+    energy = body.mass * speed**2 / 2 + body.inertia * spin**2 / 2
+    assert found["m/s"] == pytest.approx(np.sqrt(2 * energy / body.mass), rel=1e-9)
+    assert found["rad/s"] == pytest.approx(np.sqrt(2 * energy / body.inertia), rel=1e-9)
 
 
 def test_what_is_drawn_stays_within_the_bounds():
