@@ -63,9 +63,11 @@ class Team:
         ``None`` are the environment's own, which need no hashing.
         """
         found = self._decomposers.get(settings)
-        if found is None:
-            grips = self.grips[0] if self.alike else self.grips
-            found = Decomposer(grips, self.settings if settings is None else settings)
+        if settings is None:
+            if found is None or found.settings is not self.settings:  # of a team it was copied from
+                found = self._decomposers[None] = self.decomposer(self.settings)
+        elif found is None:
+            found = Decomposer(self.grips[0] if self.alike else self.grips, settings)
             self._decomposers[settings] = found
         return found
 

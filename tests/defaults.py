@@ -22,9 +22,7 @@ CONSTANT = re.compile(r"_?[A-Z][A-Z0-9_]*")
 PROSE = 4  # spaces in a text from which on it is for reading, and may change as it likes
 FEW = 24  # numbers in an array that is written out
 ELSEWHERE = {  # filled while the program runs, or of the system or of a library
-    "coopenv.agents.learned.plain.CLASSES", "coopenv.compiled.cache._FORGOTTEN",
-    "coopenv.compiled.cache._PLACES", "coopenv.compiled.cache._READ_ONLY",
-    "coopenv.compiled.dependencies.ANYWHERE",
+    "coopenv.agents.learned.plain.CLASSES", "coopenv.compiled.dependencies.ANYWHERE",
     "coopenv.compiled.dependencies.KERNELS", "coopenv.compiled.dependencies._PACKAGES",
     "coopenv.envs.registry._REGISTERED",
     "coopenv.files.lock._HELD", "coopenv.files.lock._OPEN", "coopenv.files.temporary.NO_LINKS",

@@ -613,3 +613,20 @@ def test_worlds_may_differ_in_body_and_scene_in_one_batch():
         for (result, pose, _), mine in zip(many, ride(alone, plan[:, k : k + 1]), strict=True):
             np.testing.assert_allclose(mine[1][0], pose[k], rtol=0, atol=1e-9)
             np.testing.assert_allclose(mine[0][1][0], result[1][k], rtol=0, atol=1e-6)
+
+
+def test_a_team_with_other_settings_decomposes_by_these():
+    core = Transport(num_worlds=2)
+    core.reset(seed=0)
+    core.step(actions(0, 1, 2, 2, 3)[0])
+    transition = core.transition
+    assert transition is not None
+    settings = Settings(method="moore_penrose")
+    team = replace(transition.team, settings=settings)
+    conditions = replace(transition.conditions, team=team)
+    other = replace(transition, conditions=conditions)
+    np.testing.assert_array_equal(
+        other.decomposition.internal, transition.decompose(settings).internal
+    )
+    assert (other.decomposition.internal != transition.decomposition.internal).any()
+    assert team.decomposer() is team.decomposer()

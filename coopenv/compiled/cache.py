@@ -162,7 +162,7 @@ def _elsewhere(ours: Any, py_func: Any) -> Iterator[Any]:
     for kind in () if py_func in _forgotten else _read_only_kinds(ours):
         try:
             cache = kind(py_func)
-        except RuntimeError:  # there is no such folder
+        except Exception:  # there is no such folder, or numba takes it for an archive
             continue
         if cache._cache_file._load_index():
             yield cache

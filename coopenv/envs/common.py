@@ -80,28 +80,20 @@ def check_action(action: npt.NDArray[Any], name: str, table: FloatArray | None) 
             )
 
 
-def said_of_agents(
-    error: InvalidInput, transport: Transport, joint: npt.NDArray[Any], names: Sequence[str]
-) -> InvalidInput:
-    """What the core refused in one world's actions, told of an agent instead of a place in a batch.
+def refused(
+    joint: npt.NDArray[Any], names: Sequence[str], table: FloatArray | None
+) -> InvalidInput | None:
+    """What `check_action` refuses of one world's actions ``(1, learner, ...)``, called ``names``.
 
-    To be called once the core has raised; ``error`` itself where it is of something else.
-
-    Parameters
-    ----------
-    error, transport
-        Raised by it.
-    joint
-        What it was given, ``(1, learner, ...)``.
-    names
-        What the user calls the action of each learner.
+    To be asked once the core has refused something, to name an agent instead of a place in a batch;
+    ``None`` where it was no action.
     """
     for action, name in zip(joint[0], names, strict=True):
         try:
-            check_action(action, name, transport.table)
-        except InvalidInput as found:
-            return found
-    return error
+            check_action(action, name, table)
+        except InvalidInput as error:
+            return error
+    return None
 
 
 def check_render_mode(mode: str | None, known: Sequence[str]) -> str | None:

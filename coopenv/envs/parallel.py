@@ -20,7 +20,7 @@ from coopenv.envs.common import (
     agent_observation_space,
     check_action,
     metadata_of,
-    said_of_agents,
+    refused,
     start_options,
     team_observation_space,
 )
@@ -114,9 +114,12 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
         joint = self._joint(actions)
         try:
             obs, reward, terminated, truncated, info = self.transport.advance(joint)
-        except InvalidInput as error:
-            names = [f"actions[{agent!r}]" for agent in self.agents]
-            raise said_of_agents(error, self.transport, joint, names) from None
+        except InvalidInput:
+            names = [self._names[agent] for agent in self.agents]
+            told = refused(joint, names, self.transport.table)
+            if told is None:
+                raise
+            raise told from None
         seen, told = self._split(obs), self._infos(info)
         rewards = dict(zip(self.agents, reward[0].tolist(), strict=True))
         ends = dict.fromkeys(self.agents, bool(terminated[0]))

@@ -13,7 +13,7 @@ from coopenv.envs.common import (
     RENDER_MODES,
     Pictures,
     metadata_of,
-    said_of_agents,
+    refused,
     start_options,
     team_action_space,
     team_actions,
@@ -96,9 +96,12 @@ class TransportEnv(Specified, gymnasium.Env[npt.NDArray[np.float32], npt.NDArray
         joint = team_actions(self.transport, action, self.action_space.shape)
         try:
             obs, reward, terminated, truncated, info = self.transport.advance(joint)
-        except InvalidInput as error:
+        except InvalidInput:
             names = [f"action of agent {i}" for i in self.transport.learners]
-            raise said_of_agents(error, self.transport, joint, names) from None
+            told = refused(joint, names, self.transport.table)
+            if told is None:
+                raise
+            raise told from None
         if self.render_mode == "human":
             self.render()
         ends = bool(terminated[0]), bool(truncated[0])

@@ -9,6 +9,7 @@ import pytest
 
 from coopenv import beam_transport_v0
 from coopenv.errors import InvalidInput
+from coopenv.rewards import RewardSum
 from tests.helpers import TRIO
 
 ID = "coopenv/BeamTransport-v0"
@@ -95,3 +96,22 @@ def test_what_is_wrong_with_something_else_is_told_as_it_is():
         given = joint.reshape(-1) if isinstance(env, gymnasium.Env) else by_agent(env, joint)
         with pytest.raises(InvalidInput, match=r"^actions of the partner's policy must be finite"):
             env.step(given)
+
+
+class Divided:
+    """A reward term that cannot be had, and says why."""
+
+    def __call__(self, transition: Any) -> Any:
+        try:
+            return 1 / 0
+        except ZeroDivisionError as error:
+            raise InvalidInput("weight must not be 0, got 0; choose another") from error
+
+
+@pytest.mark.parametrize("view", [single, parallel])
+def test_what_else_is_refused_in_a_step_keeps_its_cause(view):
+    env = view(reward=RewardSum({"divided": Divided()}))
+    joint = np.zeros((3, 3), dtype=np.float32)
+    with pytest.raises(InvalidInput, match="weight must not be 0") as caught:
+        env.step(joint.reshape(env.action_space.shape) if view is single else by_agent(env, joint))
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)

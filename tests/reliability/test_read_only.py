@@ -153,3 +153,15 @@ def test_a_read_only_installation_without_home_imports_steps_and_decomposes(tmp_
     assert done.stdout.startswith(f"{folder / 'coopenv' / '__init__.py'} 1.0\ncoopenv ")
     assert done.stderr.count("Warning") == 1
     assert "cache of compiled kernels must be writable" in done.stderr
+
+
+@pytest.mark.parametrize("name", ["x.zipped", "env.zip"])
+def test_a_folder_that_is_called_like_an_archive_is_one_like_others(tmp_path, name):
+    folder = tmp_path / name
+    folder.mkdir()
+    (folder / "kernels.py").write_text(KERNELS)
+    environment = {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{ROOT}"}
+    done = subprocess.run(
+        [sys.executable, "-c", CALL], env=environment, capture_output=True, text=True
+    )
+    assert (done.stdout, done.returncode) == ("6.0 3.0\n", 0), done.stderr
