@@ -238,16 +238,25 @@ class TransportTorchEnv(EnvBase):
         if reward is not None:
             group["reward"] = torch.from_numpy(reward[..., None].astype(np.float32))
         if self._told.names:
-            group["info"] = TensorDict(self._told(info), shape, device=device)
+            group["info"] = _unchecked(self._told(info), shape, device)
         entries: dict[str, Any] = {
-            GROUP: TensorDict(group, shape, device=device),
+            GROUP: _unchecked(group, shape, device),
             "done": torch.from_numpy((terminated | truncated)[:, None]),
             "terminated": torch.from_numpy(terminated[:, None].copy()),
             "truncated": torch.from_numpy(truncated[:, None].copy()),
         }
         if self.return_state:
             entries["state"] = torch.from_numpy(obs.reshape(len(obs), -1))
-        return TensorDict(entries, self.batch_size, device=device)
+        return _unchecked(entries, self.batch_size, device)
+
+
+def _unchecked(
+    entries: dict[str, Any], shape: torch.Size, device: torch.device | None
+) -> TensorDict:
+    """A TensorDict of entries that have its shape; on another device than theirs, a copy."""
+    if device is None or device.type == "cpu":
+        return TensorDict._new_unsafe(entries, batch_size=shape, device=device)
+    return TensorDict(entries, shape, device=device)
 
 
 def _marks(tensordict: TensorDictBase | None, name: str) -> BoolArray | None:
