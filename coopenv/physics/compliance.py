@@ -48,6 +48,7 @@ from coopenv.physics.coefficients import (
 from coopenv.physics.motion import Motion, collect, command_to, roll, supported
 
 _NEWTON, _MOST = 12, 60  # iterations by Newton's method, and at all
+_ROUNDS, _STILL = 12, 1e-12  # solutions beside a contact that bears, and their change [m, rad]
 _CLOSE = 1e-9  # of forces and torques, that in equilibrium are out by so much at most
 
 
@@ -125,31 +126,36 @@ def draw(k, pose, c, s, spring, limit, grips, reference, stretch):
 def _pushed(table, k, pose, twist, hands, start_c, start_s, rate, expected):
     """A free body's substep: direction in its middle, chord by arc, and what `advance` returns.
 
-    Gravity is met exactly, and a contact that lasts (`coopenv.physics.motion.supported`) bears the
-    body through a second solution.
+    Gravity is met exactly. What the contact that lasts (`coopenv.physics.motion.supported`) bears
+    depends on what hands give, and that on how far it bears the body: solved in turn.
     """
     vx, vy, spin = twist[k, 0], twist[k, 1], twist[k, 2]
     free_x = table[k, COAST] * vx + table[k, FALL_PATH]
     free_y = table[k, COAST] * vy + table[k, FALL_PATH + 1]
     free_turn = table[k, SPIN_COAST] * spin
     gain, grown = table[k, PATH_GAIN], table[k, SPEED_GAIN]
-    borne = False
+    borne_x = borne_y = borne_turn = 0.0
+    rounds = 0
     while True:
-        c, s, chord, pull = _met(table, k, hands, start_c, start_s, rate, free_x, free_y, free_turn)
-        moved = (
-            free_x + gain * pull.fx,
-            free_y + gain * pull.fy,
-            free_turn + table[k, TURN_GAIN] * pull.torque,
-            table[k, DECAY] * vx + table[k, FALL_SPEED] + grown * pull.fx,
-            table[k, DECAY] * vy + table[k, FALL_SPEED + 1] + grown * pull.fy,
-            table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * pull.torque,
-        )
-        if borne or not table[k, HEAVY]:
+        c, s, chord, pull = _met(
+            table, k, hands, start_c, start_s, rate,
+            free_x + borne_x, free_y + borne_y, free_turn + borne_turn,
+        )  # fmt: skip
+        x, y = free_x + gain * pull.fx, free_y + gain * pull.fy
+        turn = free_turn + table[k, TURN_GAIN] * pull.torque
+        end_x = table[k, DECAY] * vx + table[k, FALL_SPEED] + grown * pull.fx
+        end_y = table[k, DECAY] * vy + table[k, FALL_SPEED + 1] + grown * pull.fy
+        end_spin = table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * pull.torque
+        moved = (x + borne_x, y + borne_y, turn + borne_turn, end_x, end_y, end_spin)
+        rounds += 1
+        if rounds == _ROUNDS or not table[k, HEAVY]:
             break
-        dx, dy, turn = supported(table, k, (vx, vy, spin), expected, moved, 1 / rate)
-        if dx == 0.0 and dy == 0.0 and turn == 0.0:
+        bare, start = (x, y, turn, end_x, end_y, end_spin), (vx, vy, spin)
+        more_x, more_y, more_turn = supported(table, k, start, expected, bare, 1 / rate)
+        change = abs(more_x - borne_x) + abs(more_y - borne_y) + abs(more_turn - borne_turn)
+        if change <= _STILL:
             break
-        free_x, free_y, free_turn, borne = free_x + dx, free_y + dy, free_turn + turn, True
+        borne_x, borne_y, borne_turn = more_x, more_y, more_turn
     return c, s, chord, moved
 
 

@@ -31,14 +31,36 @@ def test_a_load_hangs_in_hands_by_its_weight_over_their_stiffness():
     np.testing.assert_allclose(after.stored_energy[0], (weight / 2) ** 2 / (2 * stiffness))
 
 
-def test_a_floor_bears_what_weak_hands_do_not_and_nothing_moves():
-    core = held(400, -2.9, force_limit=20.0)
+@pytest.mark.parametrize("damping", [0.0, 30.0, 90.0])
+def test_what_hands_pull_along_a_floor_stays_where_friction_holds_it(damping):
+    hands = Hands(damping=damping, torque_damping=damping / 6)
+    core = Transport(action="motion", horizon=500, scene=UPRIGHT, hands=hands)
+    core.reset(seed=0, pose=(0.0, -2.95, 0.0), goal=(-2.0, 2.0, 0.0))
+    pull = STILL.copy()
+    pull[0, :, 0] = 0.5, -0.5  # agents look at each other: both along the floor
+    core.step(pull)
+    for _ in range(50):
+        core.step(STILL)
     before = core.transition
+    for _ in range(400):
+        core.step(STILL)
+    after = core.transition
     assert before is not None
-    pulled = before.applied[0, :, 1].sum()
+    assert after is not None
+    np.testing.assert_allclose(after.next_state.pose, before.next_state.pose, atol=1e-7)
+    np.testing.assert_allclose(after.next_state.twist, 0.0, atol=1e-12)
+    np.testing.assert_allclose(after.applied, before.applied, atol=1e-5)
+    assert np.abs(after.applied[0, :, 0]).min() > 3.0
+    assert after.contact_shift[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_floor_bears_what_weak_hands_do_not():
+    core = held(100, -2.9, force_limit=20.0)
+    after = core.transition
+    assert after is not None
+    pulled = after.applied[0, :, 1].sum()
     assert 1.0 < pulled < core.bodies[0].mass * 9.81
-    np.testing.assert_allclose(before.next_state.twist, 0.0, atol=1e-9)
-    bottom = before.next_state.pose[0, 1] + min(y for _, y in core.bodies[0].outline)
+    bottom = after.next_state.pose[0, 1] + min(y for _, y in core.bodies[0].outline)
     assert bottom == pytest.approx(-3.0, abs=3e-3)
 
 
