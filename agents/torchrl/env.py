@@ -33,6 +33,7 @@ from .told import Told
 ACTION = GROUP, "action"
 REWARD = GROUP, "reward"
 _RESTING = "resting"  # part of a snapshot
+_new = getattr(TensorDict, "_new_unsafe", TensorDict)  # without checks of shapes, where it is there
 
 
 def make_env(
@@ -255,7 +256,7 @@ def _unchecked(
 ) -> TensorDict:
     """A TensorDict of entries that have its shape; on another device than theirs, a copy."""
     if device is None or device.type == "cpu":
-        return TensorDict._new_unsafe(entries, batch_size=shape, device=device)
+        return _new(entries, batch_size=shape, device=device)
     return TensorDict(entries, shape, device=device)
 
 
