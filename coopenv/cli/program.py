@@ -15,7 +15,7 @@ from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_terminat
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
 from coopenv.errors import CoopenvError
-from coopenv.files import file_trouble
+from coopenv.files import file_trouble, nothing_left
 from coopenv.logs.command import Decompose
 
 INTERRUPTED = 130  # exit code
@@ -55,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     terminal.make_legible()
     given = list(sys.argv[1:] if arguments is None else arguments)
-    with interrupted_by_termination() as told:
+    with nothing_left(), interrupted_by_termination() as told:
         code = _answered(given, told)
     return code if told.since is None or code != INTERRUPTED else TERMINATED
 

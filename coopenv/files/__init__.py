@@ -1,6 +1,7 @@
 """Files: written whole or not at all, trouble as sentences, locks, left-overs of dead processes."""
 
 from coopenv.files.checks import require_file, require_folder, require_writable
+from coopenv.files.ending import nothing_left
 from coopenv.files.lock import LOCK, locked
 from coopenv.files.temporary import sweep
 from coopenv.files.trouble import file_trouble, reading, writing
@@ -10,6 +11,7 @@ __all__ = [
     "LOCK",
     "file_trouble",
     "locked",
+    "nothing_left",
     "reading",
     "require_file",
     "require_folder",

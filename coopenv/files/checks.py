@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files.temporary import begin, temporary_name
+from coopenv.files.temporary import begin, discard, temporary_name
 from coopenv.files.trouble import reading, writing
 
 
@@ -43,16 +43,12 @@ def require_folder(path: str | os.PathLike) -> None:
 def _try(path: Path) -> None:
     """Write a file beside ``path``, and remove it and the folders that it needed."""
     made = [folder for folder in path.parents if not folder.exists()]
-    part: Path | None = temporary_name(path)
+    part = temporary_name(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         begin(part)
-    except FileExistsError:  # somebody's: not to be removed
-        part = None
-        raise
     finally:
+        discard(part)
         with suppress(OSError):
-            if part is not None:
-                part.unlink(missing_ok=True)
             for folder in made:
                 folder.rmdir()

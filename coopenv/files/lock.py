@@ -9,14 +9,17 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import asdict, dataclass
 from datetime import datetime
+from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 
 from coopenv.errors import InvalidInput
+from coopenv.files.ending import promise, settle
 from coopenv.files.process import Process, kernel
 from coopenv.files.temporary import NO_LINKS
 from coopenv.files.trouble import writing
@@ -30,8 +33,9 @@ LOCK = ".coopenv.lock"  # name of the file, there as long as the folder is locke
 BEYOND = 1 << 30  # byte that Windows locks: past the text, which others may read
 MOST = 10_000  # bytes that are read of a file of that name
 
-_HELD: ContextVar[frozenset[Path]] = ContextVar("held", default=frozenset())
-_OPEN: set[int] = set()  # descriptors of locks, which a forked child must not hold on to
+_NONE: Mapping[Path, list[int]] = MappingProxyType({})
+_HELD: ContextVar[Mapping[Path, list[int]]] = ContextVar("held", default=_NONE)
+_OPEN: dict[int, list[int]] = {}  # descriptors of locks, not to be held by a forked child; whose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,57 +97,87 @@ def locked(folder: str | os.PathLike) -> Iterator[None]:
         If the system does not let a file be written there.
     """
     place = Path(os.path.realpath(folder))
-    if place in _HELD.get():
+    held = _HELD.get()
+    if _is_open(held.get(place)):
         yield
         return
     path = Path(folder) / LOCK
     made = [each for each in path.parents if not each.exists()]
-    with writing(folder):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        file = _take(path)
-    _OPEN.add(file)
-    held = _HELD.set(_HELD.get() | {place})
+    taken: list[int] = []
+    promise(id(taken), partial(_leave, path.absolute(), taken))
     try:
+        with writing(folder):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            _take(path, taken)
+        _HELD.set({**held, place: taken})
         yield
     finally:
-        _HELD.reset(held)
-        _release(path, file)
+        _HELD.set(held)
+        _leave(path, taken)
+        settle(id(taken))
         with suppress(OSError):
             for each in made:
                 each.rmdir()
 
 
-def _take(path: Path) -> int:
-    """Descriptor of the file, locked and signed."""
+def _take(path: Path, taken: list[int]) -> None:
+    """Lock and sign the file; its descriptor goes into ``taken`` and ``_OPEN``."""
     while True:
-        file = os.open(path, os.O_RDWR | os.O_CREAT | NO_LINKS, 0o666)
+        taken.clear()
+        taken.append(file := os.open(path, os.O_RDWR | os.O_CREAT | NO_LINKS, 0o666))
         try:
             free = _lock(file)
             holder = Holder.parse(_text(file))
             if free is False or (holder is not None and holder.may_live(unlocked=free is True)):
                 raise InvalidInput(_refusal(path, holder, here=free is False))
             if _is_there(path, file):
+                _OPEN[file] = taken
                 os.ftruncate(file, 0)
                 os.write(file, Holder.current().encode().encode())
-                return file
-        except BaseException:
-            os.close(file)
-            raise
-        os.close(file)  # who had it has removed it meanwhile: another is locked in its place
+                return
+        finally:
+            if file not in _OPEN:  # refused, or who had it removed it: another lies in its place
+                os.close(file)
+
+
+def _leave(path: Path, taken: list[int]) -> None:
+    """Undo as much as was done of locking when it was interrupted, or all of it."""
+    if _is_open(taken):
+        _release(path, taken[0])
+    else:  # refused, closed in a forked child, or interrupted as soon as the file was there
+        _remove_unsigned(path)
+
+
+def _is_open(taken: list[int] | None) -> bool:
+    """Whether a lock has not been left since, here or because this is a forked child."""
+    return bool(taken) and _OPEN.get(taken[0]) is taken
 
 
 def _release(path: Path, file: int) -> None:
     """Remove the file while it is locked, so that nobody finds it free and signed."""
-    if file not in _OPEN:  # closed in a forked child, whose parent goes on
-        return
-    _OPEN.discard(file)
     if sys.platform == "win32":  # which removes no open file
         os.ftruncate(file, 0)
+        del _OPEN[file]
         os.close(file)
+        with suppress(OSError):
+            path.unlink()
+    else:
+        with suppress(OSError):
+            if _is_there(path, file):
+                path.unlink()
+        del _OPEN[file]
+        os.close(file)
+
+
+def _remove_unsigned(path: Path) -> None:
+    """Remove a file that nobody locked or signed."""
     with suppress(OSError):
-        path.unlink()
-    if sys.platform != "win32":
-        os.close(file)
+        file = os.open(path, os.O_RDWR | NO_LINKS)
+        try:
+            if _lock(file) and not _text(file) and _is_there(path, file):
+                path.unlink()
+        finally:
+            os.close(file)
 
 
 def _refusal(path: Path, holder: Holder | None, *, here: bool) -> str:
@@ -190,7 +224,6 @@ def _lock(file: int) -> bool | None:
 
 
 def _close_in_child() -> None:
-    _HELD.set(frozenset())
     for file in _OPEN:
         with suppress(OSError):
             os.close(file)

@@ -9,9 +9,11 @@ import re
 import secrets
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
+from coopenv.files.ending import is_due, promise, settle
 from coopenv.files.process import Process
 
 LONGEST = 100  # bytes of a target's name in a temporary one; systems take 143 or 255 in all
@@ -29,16 +31,36 @@ def temporary_name(path: Path) -> Path:
 def begin(part: Path, mode: int = 0o666) -> None:
     """Make an empty file, never one or a link that was there before.
 
+    It is removed at the latest as the process ends: a signal may come as soon as it is there, or
+    as `discard` is about to remove it.
+
     Parameters
     ----------
     part
-        Its name, of `temporary_name`. Who removes it later has to know it before it is there, as
-        a signal may end the process as soon as it is.
+        Its name, of `temporary_name`.
     mode
         Permissions, of which the process's umask takes some away.
     """
     flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | NO_LINKS | getattr(os, "O_BINARY", 0)
-    os.close(os.open(part, flags, mode))
+    place = Path(os.path.abspath(part))  # the process may go elsewhere
+    promise(place, partial(place.unlink, missing_ok=True))
+    try:
+        os.close(os.open(part, flags, mode))
+    except FileExistsError:  # somebody's: not to be removed
+        settle(place)
+        raise
+
+
+def discard(part: Path) -> None:
+    """Remove what `begin` made, if it did and the file is still there under that name.
+
+    What the system says against it is passed over: what went wrong first is what is told.
+    """
+    with suppress(OSError):
+        place = Path(os.path.abspath(part))
+        if is_due(place):
+            place.unlink(missing_ok=True)
+            settle(place)
 
 
 def sweep(folder: Path, target: str | None = None) -> list[Path]:

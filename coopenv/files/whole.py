@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files.temporary import NO_LINKS, begin, sweep, temporary_name
+from coopenv.files.temporary import NO_LINKS, begin, discard, sweep, temporary_name
 from coopenv.files.trouble import writing
 
 NEVER_FLUSHED = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)  # said by file systems that cannot
@@ -22,7 +22,7 @@ def written(path: str | os.PathLike) -> Iterator[Path]:
     empty, under a name that nobody can guess; what it holds is on the disk before it replaces
     ``path``. It takes the permissions of a file that it replaces. A link of that name is replaced
     itself: what it points to stays as it was. Left-overs of dead processes that wrote the same file
-    are removed.
+    are removed; its own goes with the process at the latest, whenever a signal comes.
 
     Raises
     ------
@@ -42,19 +42,14 @@ def written(path: str | os.PathLike) -> Iterator[Path]:
             path.parent.mkdir(parents=True, exist_ok=True)
             sweep(path.parent, path.name)
             part = temporary_name(path)
-            try:
-                begin(part, 0o666 if mode is None else mode | stat.S_IWUSR)
-            except FileExistsError:  # somebody's: not to be removed
-                part = None
-                raise
+            begin(part, 0o666 if mode is None else mode | stat.S_IWUSR)
             yield part
             _flush(part, mode)
             part.replace(path)
             _flush_folder(path.parent)
     finally:
         if part is not None:
-            with suppress(OSError):  # what went wrong first is what is told
-                part.unlink(missing_ok=True)
+            discard(part)
 
 
 def _mode(path: Path) -> int | None:

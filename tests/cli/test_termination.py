@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -97,6 +98,25 @@ def test_a_decomposition_leaves_nothing_half_written(tmp_path, monkeypatch, caps
     assert cli.main(["decompose", str(path), "--grips", *map(str, cases.BEAM)]) == 143
     assert capsys.readouterr().err.splitlines()[-1] == "coopenv: terminated"
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
+
+
+@pytest.mark.parametrize("nth", range(3))
+def test_a_signal_that_comes_before_a_temporary_file_is_removed_leaves_none(
+    nth, tmp_path, monkeypatch
+):
+    path = cases.save(cases.planar(), tmp_path / "a.csv")
+    unlink, seen = Path.unlink, []
+
+    def struck(each, **given):
+        seen.append(each)
+        if len(seen) == nth + 1:
+            terminate()
+        unlink(each, **given)
+
+    monkeypatch.setattr(Path, "unlink", struck)
+    code = cli.main(["decompose", str(path), "--grips", *map(str, cases.BEAM), "--no-picture"])
+    assert code == 143
+    assert not [each.name for each in tmp_path.iterdir() if each.name.startswith(".")]
 
 
 def test_a_study_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):

@@ -207,9 +207,17 @@ class NpzSink(Sink):
             # integers are read as float64 wherever some are missing, which may be the first rows
             values = values.astype(np.float64, copy=False)
             if not known:
-                self._files[name] = tempfile.TemporaryFile(dir=self._path.parent)  # noqa: SIM115
+                self._files[name] = self._beside()
             self._files[name].write(np.ascontiguousarray(values).data)
         self._rows += len(next(iter(columns.values())))
+
+    def _beside(self) -> IO[bytes]:
+        """An open file that goes with the process.
+
+        Where the system makes none without a name, it has one for a moment: as that of the archive
+        begins, so that a sweep finds it.
+        """
+        return tempfile.TemporaryFile(dir=self._path.parent, prefix=f"{self._path.name}.")
 
     def close(self) -> None:
         """Put the archive together."""
