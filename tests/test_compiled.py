@@ -278,9 +278,27 @@ def test_a_disk_that_is_full_while_a_kernel_is_kept_stops_nothing(start, monkeyp
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(compile_cache.IndexDataCacheFile, "_open_for_write", full)
+    monkeypatch.setattr(os, "replace", full)
     with pytest.warns(UserWarning, match="No space left on device"):
         assert start() == (0, 1)
+
+
+def test_an_interruption_while_a_kernel_is_kept_leaves_no_temporary_file(
+    start, monkeypatch, tmp_path
+):
+    tried = []
+
+    def interrupted(source, target):
+        tried.append(Path(source))
+        assert tried[-1].exists()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        start()
+    assert len(tried) == 1
+    assert tried[0].is_relative_to(tmp_path)
+    assert not list(tmp_path.rglob("*.tmp.*"))
 
 
 def test_a_kernel_of_ours_has_a_cache_that_is_checked_and_a_function_of_others_has_numbas(start):

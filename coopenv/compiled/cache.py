@@ -13,11 +13,12 @@ import os
 import pickle
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
+from uuid import uuid4
 from weakref import WeakSet
 
 from numba.core import dispatcher
@@ -103,6 +104,19 @@ class _Files(IndexDataCacheFile):
         pickled = self._dump(content)
         with self._open_for_write(path) as file:
             file.write(pickled + self._digest(pickled))
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[IO[bytes]]:
+        """As numba does it, which keeps what it began when it is interrupted."""
+        part = f"{filepath}.tmp.{uuid4().hex[:16]}"
+        try:
+            with open(part, "wb") as file:
+                yield file
+            os.replace(part, filepath)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(part)
+            raise
 
     def _digest(self, content: Any) -> bytes:
         digest = sha256(self._version.encode())

@@ -100,7 +100,7 @@ def test_a_decomposition_leaves_nothing_half_written(tmp_path, monkeypatch, caps
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
 
 
-@pytest.mark.parametrize("nth", range(3))
+@pytest.mark.parametrize("nth", range(2))
 def test_a_signal_that_comes_before_a_temporary_file_is_removed_leaves_none(
     nth, tmp_path, monkeypatch
 ):

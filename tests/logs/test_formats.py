@@ -1,5 +1,7 @@
 """Files are opened by the suffix of their name, and every format has a reader and a writer."""
 
+import os
+import tempfile
 import tracemalloc
 import zipfile
 from pathlib import Path
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 
 from coopenv.errors import InvalidInput
+from coopenv.files import written
 from coopenv.logs import Layout, formats, read
 from tests.logs import cases
 
@@ -85,6 +88,25 @@ def test_the_memory_of_a_table_does_not_grow_with_the_rows_that_are_written(suff
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 1.3 * peaks[0]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing is forked there")
+def test_columns_that_wait_where_every_file_has_a_name_are_swept_with_their_table(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(tempfile, "_O_TMPFILE_WORKS", False, raising=False)  # as on a network disk
+    table = tmp_path / "table.npz"
+    child = os.fork()
+    if not child:
+        with written(table) as part:
+            monkeypatch.setattr(os, "unlink", lambda *_, **__: os.kill(os.getpid(), 9))
+            formats.open_sink(part).write({"x": np.zeros(2)})
+        os._exit(1)
+    assert os.WTERMSIG(os.waitpid(child, 0)[1]) == 9
+    assert len(list(tmp_path.iterdir())) == 2
+    with written(table):
+        pass
+    assert [each.name for each in tmp_path.iterdir()] == ["table.npz"]
 
 
 @pytest.mark.parametrize("version", [(1, 0), (2, 0)])  # NumPy takes the latter where much is said
