@@ -24,7 +24,7 @@ FEW = 24  # numbers in an array that is written out
 ELSEWHERE = {  # filled while the program runs, or of the system or of a library
     "coopenv.agents.learned.plain.CLASSES", "coopenv.compiled.dependencies.ANYWHERE",
     "coopenv.compiled.dependencies.KERNELS", "coopenv.compiled.dependencies._PACKAGES",
-    "coopenv.envs.registry._REGISTERED",
+    "coopenv.envs.registry._REGISTERED", "coopenv.files.ending._DUE",
     "coopenv.files.lock._HELD", "coopenv.files.lock._OPEN", "coopenv.files.temporary.NO_LINKS",
 }  # fmt: skip
 BESIDE = ("coopenv.agents.torchrl.benchmarl",)  # of a library that does not go with our pins

@@ -16,8 +16,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
+from io import BufferedWriter
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 from uuid import uuid4
 from weakref import WeakSet
 
@@ -106,7 +107,7 @@ class _Files(IndexDataCacheFile):
             file.write(pickled + self._digest(pickled))
 
     @contextmanager
-    def _open_for_write(self, filepath: str) -> Iterator[IO[bytes]]:
+    def _open_for_write(self, filepath: str) -> Iterator[BufferedWriter]:
         """As numba does it, which keeps what it began when it is interrupted."""
         part = f"{filepath}.tmp.{uuid4().hex[:16]}"
         try:

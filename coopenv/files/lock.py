@@ -16,7 +16,6 @@ from dataclasses import asdict, dataclass
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 
 from coopenv.errors import InvalidInput
 from coopenv.files.ending import promise, settle
@@ -33,8 +32,7 @@ LOCK = ".coopenv.lock"  # name of the file, there as long as the folder is locke
 BEYOND = 1 << 30  # byte that Windows locks: past the text, which others may read
 MOST = 10_000  # bytes that are read of a file of that name
 
-_NONE: Mapping[Path, list[int]] = MappingProxyType({})
-_HELD: ContextVar[Mapping[Path, list[int]]] = ContextVar("held", default=_NONE)
+_HELD: ContextVar[Mapping[Path, list[int]]] = ContextVar("held")
 _OPEN: dict[int, list[int]] = {}  # descriptors of locks, not to be held by a forked child; whose
 
 
@@ -97,7 +95,7 @@ def locked(folder: str | os.PathLike) -> Iterator[None]:
         If the system does not let a file be written there.
     """
     place = Path(os.path.realpath(folder))
-    held = _HELD.get()
+    held = _HELD.get({})
     if _is_open(held.get(place)):
         yield
         return
