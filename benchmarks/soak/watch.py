@@ -8,11 +8,14 @@ import numpy.typing as npt
 from coopenv import Transport
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.info import Info
+from coopenv.physics.scene import WALL_THICKNESS
 
 UNBALANCED = ("virtual_linkage",)  # methods that need not balance: docs/decomposition.md
 BALANCED, PLAUSIBLE, ADDED = 1e-9, 1e-8, 1e-12  # in parts of the largest force or torque; of reward
 TINY = 1e-140  # [N] squares of smaller numbers are not held by floats
 SLACK = 0.01  # [m] beyond a substep's way
+DEEPER = 1.5  # of that way, as a body may turn on what it has met: docs/accuracy.md
+DEEPEST = WALL_THICKNESS / 4  # [m] way from which on a body may be parted to the other side
 
 
 class Watch:
@@ -29,7 +32,8 @@ class Watch:
     def __init__(self, core: Transport, name: str):
         self._core, self._name, self._steps = core, name, 0
         self._rooms = np.array([scene.size for scene in core.scenes]) / 2  # [m]
-        self._fastest = np.zeros(core.num_worlds)  # [m/s] in the episode under way
+        self._weights = np.array([np.hypot(*scene.gravity) for scene in core.scenes])  # [m/s²]
+        self._fastest = np.zeros(core.num_worlds)  # √(2E/m) [m/s] in the episode under way
 
     def look(
         self, obs: npt.NDArray[np.float32], reward: FloatArray, info: Info, again: BoolArray
@@ -49,18 +53,43 @@ class Watch:
         self._look_inside(place, again)
         check_decomposition(core, place)
 
+    def may_lose(self) -> bool:
+        """Whether some body may be so fast in the step to come that a wall does not hold it."""
+        limits = self._core.team.limits
+        way = self._core.world.substep * (self._fastest + self._gain(np.sqrt(2) * limits))
+        return bool((way >= DEEPEST).any())
+
     def _look_inside(self, place: str, again: BoolArray) -> None:
-        """A centre may be as deep in a wall as a substep's way, which is parted slowly."""
+        """A centre is about as deep in a wall as a substep's way, which is parted slowly.
+
+        Contacts make speed of spin, so that all of the kinetic energy counts.
+        """
         core, transition = self._core, self._core.transition
         assert transition is not None
-        pushed = np.linalg.norm(transition.applied[..., :2], axis=-1).sum(axis=-1)
-        gained = pushed * core.dt / np.array([body.mass for body in core.bodies])
-        speed = np.hypot(*transition.state.twist[:, :2].T) + gained
+        given = np.stack([
+            np.linalg.norm(transition.applied[..., :2], axis=-1), np.abs(transition.applied[..., 2])
+        ], axis=-1)  # fmt: skip
+        if core.config.hands is not None:  # the mean of a step, which may have been more within it
+            given = np.sqrt(2) * core.team.limits
+        load, twist = core.conditions.load, transition.state.twist
+        speed = np.sqrt(
+            twist[:, 0] ** 2 + twist[:, 1] ** 2 + load.inertia / load.mass * twist[:, 2] ** 2
+        )
+        speed += self._gain(given)
         self._fastest = np.maximum(np.where(again, 0.0, self._fastest), speed)
+        way = core.world.substep * self._fastest
         beyond = (np.abs(core.world.pose[:, :2]) - self._rooms).max(axis=-1)
-        beyond -= core.world.substep * self._fastest + SLACK
+        beyond -= np.where(way < DEEPEST, DEEPER * way + SLACK, np.inf)
         worst = int(np.argmax(beyond))
         assert beyond[worst] <= 0, f"{place}: world {worst} is {beyond[worst]:.3f} m in a wall"
+
+    def _gain(self, given: FloatArray) -> FloatArray:
+        """√(2E/m) [m/s] that forces and torques ``(world, agent, 2)`` may add in a control step."""
+        load, lever = self._core.conditions.load, np.linalg.norm(self._core.team.grips, axis=-1)
+        force = given[..., 0].sum(axis=-1)
+        torque = (given[..., 1] + lever * given[..., 0]).sum(axis=-1)
+        push = np.hypot(force, torque * np.sqrt(load.mass / load.inertia)) / load.mass
+        return self._core.dt * (push + self._weights)
 
 
 def check_finite(shown: dict[str, npt.NDArray[Any]], place: str) -> None:
