@@ -64,6 +64,23 @@ def test_the_watch_believes_a_body_in_a_wall_whose_spin_may_have_become_speed_an
             watch.look(shown[0], shown[1], shown[4], again)
 
 
+@pytest.mark.parametrize("action", ["wrench", "motion", "impedance"])
+def test_the_watch_tells_energy_that_neither_wrenches_nor_hands_gave(action):
+    core = Transport(num_worlds=8, action=action)
+    core.reset(seed=0)
+    watch, again = Watch(core, "driven"), np.zeros(8, dtype=bool)
+    push = np.random.default_rng(0).choice([-1.0, 1.0], core.action_shape)
+    shape = (8, *core.action_shape[1:])
+    shown = core.step(np.broadcast_to(push, shape))
+    for _ in range(20):
+        watch.look(shown[0], shown[1], shown[4], again)
+        shown = core.step(np.broadcast_to(push, shape))
+    watch.look(shown[0], shown[1], shown[4], again)
+    core.world.twist[3, 0] += 5.0
+    with pytest.raises(AssertionError, match=r"world 3 has .* J, at most"):
+        watch.look(shown[0], shown[1], shown[4], again)
+
+
 @pytest.mark.parametrize(("spin", "explained"), [(0.0, False), (1000.0, True)])
 def test_a_lost_body_ends_a_trial_where_its_energy_explains_it_and_fails_it_elsewhere(
     spin, explained

@@ -135,7 +135,7 @@ def _choose_discs_where_better(
     near = (reach > 0.0) & (norm(whole.induced) <= STRAIGHT * reach)
     where = np.flatnonzero(near.any(axis=-1))
     if where.size:
-        some, own = (type(each)(*(v[where] for v in each)) for each in (whole, duals))
+        some, own = Parts(*(v[where] for v in whole)), Duals(*(v[where] for v in duals))
         _keep_better(bound, where, bounded(some, grips[where], weights, own, near[where]))
 
 
