@@ -8,11 +8,17 @@ import numpy.typing as npt
 from coopenv import Transport
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.info import Info
+from coopenv.physics.hands import SPEED, TURN_RATE
+from coopenv.physics.scene import WALL_THICKNESS
+from coopenv.wrench.grasp import sum_at_centre
 
 UNBALANCED = ("virtual_linkage",)  # methods that need not balance: docs/decomposition.md
 BALANCED, PLAUSIBLE, ADDED = 1e-9, 1e-8, 1e-12  # in parts of the largest force or torque; of reward
 TINY = 1e-140  # [N] squares of smaller numbers are not held by floats
+GAINED = 1e-9  # part of √(2E) that is no gain
 SLACK = 0.01  # [m] beyond a substep's way
+DEEPER = 1.5  # of that way, as a body may turn on what it has met: docs/accuracy.md
+DEEPEST = WALL_THICKNESS / 4  # [m] way from which on a body may be parted to the other side
 
 
 class Watch:
@@ -29,7 +35,9 @@ class Watch:
     def __init__(self, core: Transport, name: str):
         self._core, self._name, self._steps = core, name, 0
         self._rooms = np.array([scene.size for scene in core.scenes]) / 2  # [m]
-        self._fastest = np.zeros(core.num_worlds)  # [m/s] in the episode under way
+        self._weights = np.array([np.hypot(*scene.gravity) for scene in core.scenes])  # [m/s²]
+        self._stored = np.zeros(core.num_worlds)  # [J] in springs of hands
+        self._fastest = np.zeros(core.num_worlds)  # √(2E/m) [m/s] in the episode under way
 
     def look(
         self, obs: npt.NDArray[np.float32], reward: FloatArray, info: Info, again: BoolArray
@@ -47,20 +55,77 @@ class Watch:
         off = np.abs(sum(parts) - reward) / (1.0 + sum(map(np.abs, parts)))
         assert off.max() <= ADDED, f"{place}: reward is {off.max():.1e} off the sum of its parts"
         self._look_inside(place, again)
+        self._look_at_energy(place, again)
         check_decomposition(core, place)
 
+    def may_lose(self) -> bool:
+        """Whether some body may be so fast in the step to come that a wall does not hold it."""
+        limits = self._core.team.limits
+        way = self._core.world.substep * (self._fastest + self._gain(np.sqrt(2) * limits))
+        return bool((way >= DEEPEST).any())
+
     def _look_inside(self, place: str, again: BoolArray) -> None:
-        """A centre may be as deep in a wall as a substep's way, which is parted slowly."""
+        """A centre is about as deep in a wall as a substep's way, which is parted slowly.
+
+        Contacts make speed of spin, so that all of the kinetic energy counts.
+        """
         core, transition = self._core, self._core.transition
         assert transition is not None
-        pushed = np.linalg.norm(transition.applied[..., :2], axis=-1).sum(axis=-1)
-        gained = pushed * core.dt / np.array([body.mass for body in core.bodies])
-        speed = np.hypot(*transition.state.twist[:, :2].T) + gained
+        given = np.stack([
+            np.linalg.norm(transition.applied[..., :2], axis=-1), np.abs(transition.applied[..., 2])
+        ], axis=-1)  # fmt: skip
+        if core.config.hands is not None:  # the mean of a step, which may have been more within it
+            given = np.sqrt(2) * core.team.limits
+        load, twist = core.conditions.load, transition.state.twist
+        speed = np.sqrt(
+            twist[:, 0] ** 2 + twist[:, 1] ** 2 + load.inertia / load.mass * twist[:, 2] ** 2
+        )
+        speed += self._gain(given)
         self._fastest = np.maximum(np.where(again, 0.0, self._fastest), speed)
+        way = core.world.substep * self._fastest
         beyond = (np.abs(core.world.pose[:, :2]) - self._rooms).max(axis=-1)
-        beyond -= core.world.substep * self._fastest + SLACK
+        beyond -= np.where(way < DEEPEST, DEEPER * way + SLACK, np.inf)
         worst = int(np.argmax(beyond))
         assert beyond[worst] <= 0, f"{place}: world {worst} is {beyond[worst]:.3f} m in a wall"
+
+    def _look_at_energy(self, place: str, again: BoolArray) -> None:
+        """√(2E) grows by what held wrenches and weight give; E by the work of references too.
+
+        E counts what springs of hands hold, which the parting of overlaps may stretch.
+        """
+        core, transition = self._core, self._core.transition
+        assert transition is not None
+        load, team = core.conditions.load, core.team
+        stored = transition.stored_energy
+        stored = np.zeros(core.num_worlds) if stored is None else stored.sum(axis=-1)
+        has_hand = np.zeros(core.num_agents, dtype=np.bool_)
+        has_hand[list(core.learners) if core.config.hands is not None else []] = True
+        force, torque = np.moveaxis(team.limits * has_hand[:, None], -1, 0)
+        work = np.zeros(core.num_worlds)  # [J]
+        if core.config.hands is not None:
+            speed, rate = np.sqrt(2) * team.hands[..., SPEED], team.hands[..., TURN_RATE]
+            reach = np.array([body.reach for body in core.bodies])
+            parted = core.world.contact_shift * (force.sum(axis=-1) + torque.sum(axis=-1) / reach)
+            work = core.dt * (speed * force + rate * torque).sum(axis=-1) + parted
+        inertia = np.stack([load.mass, load.mass, load.inertia], axis=-1)
+        held = sum_at_centre(np.where(has_hand[:, None], 0.0, transition.applied), team.grips)
+        push = np.sqrt((held**2 / inertia).sum(axis=-1)) + np.sqrt(load.mass) * self._weights
+        before = (inertia * transition.state.twist**2).sum(axis=-1) + 2 * self._stored
+        now = np.sqrt((inertia * core.world.twist**2).sum(axis=-1) + 2 * stored)
+        most = np.sqrt(before + 2 * work) + core.dt * push
+        self._stored = stored
+        beyond = np.where(again, 0.0, now - most * (1 + GAINED) - GAINED)
+        worst = int(np.argmax(beyond))
+        has, may = now[worst] ** 2 / 2, most[worst] ** 2 / 2
+        assert beyond[worst] <= 0, f"{place}: world {worst} has {has:.9g} J, at most {may:.9g}"
+
+    def _gain(self, given: FloatArray) -> FloatArray:
+        """√(2E/m) [m/s] that forces and torques ``(world, agent, 2)`` may add in a control step."""
+        load, lever = self._core.conditions.load, np.linalg.norm(self._core.team.grips, axis=-1)
+        force = given[..., 0].sum(axis=-1)
+        torque = (given[..., 1] + lever * given[..., 0]).sum(axis=-1)
+        push = np.hypot(force, torque * np.sqrt(load.mass / load.inertia)) / load.mass
+        return self._core.dt * (push + self._weights)
 
 
 def check_finite(shown: dict[str, npt.NDArray[Any]], place: str) -> None:

@@ -67,8 +67,6 @@ def decompose(
         If the method or the solver does not exist.
     InvalidInput
         If a shape or a number is wrong, or method, solver and grips do not go together.
-    SolverError
-        If ``solver="conic"`` stops without an answer it can vouch for.
     """
     settings = Settings(
         method=method,

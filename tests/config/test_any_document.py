@@ -13,6 +13,8 @@ from coopenv import (
     Body,
     Box,
     DoorwayTask,
+    Hands,
+    LiftTask,
     Ranges,
     Reference,
     Scene,
@@ -142,6 +144,7 @@ MOTION = st.builds(
 )
 WALKER = st.just(Body.walker())
 BEAM = st.builds(Body.beam, length=st.floats(1.0, 2.0), mass=SIZES, friction=st.floats(0, 1))
+RUBBING = st.builds(Body.beam, mass=SIZES, ground_friction=st.floats(0.01, 1))
 BOXES = st.builds(
     Box, center=st.tuples(st.floats(3, 4), st.floats(2, 3)), size=pair(st.floats(0.01, 0.1)),
     angle=NUMBERS,
@@ -150,8 +153,14 @@ CARRIED = st.one_of(
     st.fixed_dictionaries(
         {
             "task": st.builds(TransportTask, angle_tolerance=TOLERANCES, angle_weight=SIZES),
-            "body": BEAM | st.lists(BEAM, min_size=2, max_size=2).map(tuple),
-            "scene": st.builds(Scene, size=st.just((8, 6)), obstacles=st.tuples(BOXES, BOXES)),
+            "body": BEAM | RUBBING | st.lists(BEAM, min_size=2, max_size=2).map(tuple),
+            "scene": st.builds(
+                Scene,
+                size=st.just((8, 6)),
+                obstacles=st.tuples(BOXES, BOXES),
+                gravity=st.tuples(st.floats(-10, 10), st.floats(-10, 10)),
+                normal_gravity=st.floats(0, 20),
+            ),
             "randomise": st.none()
             | st.builds(
                 Ranges,
@@ -189,6 +198,31 @@ CARRIED = st.one_of(
             "scene": st.just(ROOM),
         }
     ),
+    st.fixed_dictionaries(
+        {
+            "task": st.builds(LiftTask, tilt_limit=st.floats(0.5, 3.0)),
+            "scene": st.just(Scene(size=(8.0, 6.0), gravity=(0.0, -9.81))),
+        }
+    ),
+)
+SOFT = st.floats(1e-4, 1e-2)  # for the lightest body's sake
+WEAK = st.floats(1e-6, 1e-5)
+PAIRS = {"stiffness": SOFT | st.tuples(SOFT, SOFT), "damping": WEAK | st.tuples(WEAK, WEAK)}
+PAIRS |= {"speed": SIZES | st.tuples(SIZES, SIZES), "turn_rate": SIZES}
+HOLDING = st.fixed_dictionaries(
+    {
+        "action": st.sampled_from(["motion", "impedance"]),
+        "hands": st.builds(
+            Hands,
+            **PAIRS,
+            torque_stiffness=st.floats(0, 1e-4),
+            torque_damping=st.floats(0, 1e-8),
+            stiffness_factors=st.tuples(st.floats(0.1, 1), st.floats(1, 4)),
+            damping_factors=st.tuples(st.floats(0.1, 1), st.floats(1, 4)),
+        ),
+        "dt": st.floats(1e-4, 1e-3),
+        "randomise": st.none() | st.builds(Ranges, stiffness=pair(SOFT), damping=pair(WEAK)),
+    }
 )
 VALUES = st.fixed_dictionaries(
     {
@@ -207,9 +241,11 @@ VALUES = st.fixed_dictionaries(
 
 
 @settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(CARRIED, VALUES)
-def test_any_configuration_comes_back_equal_and_as_the_same_text(carried, values):
-    config = TransportConfig(**carried, **values)
+@given(CARRIED, VALUES, st.none() | HOLDING)
+def test_any_configuration_comes_back_equal_and_as_the_same_text(carried, values, holding):
+    if holding is not None and not getattr(carried.get("body"), "ground_friction", 0.0):
+        values = {**values, **holding}
+    config = TransportConfig(**{**carried, **values})
     text = config.to_json()
     again = TransportConfig.from_json(text)
     assert again == config

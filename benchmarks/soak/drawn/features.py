@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.soak.drawn.rewards import any_reward
 from benchmarks.soak.drawn.senses import any_senses
 from benchmarks.soak.drawn.tasks import any_task
-from coopenv import Body, Box, Ranges, Scene, Transport, TransportConfig
+from coopenv import Body, Box, Hands, Ranges, Scene, Transport, TransportConfig
 from coopenv.agents import partners
 from coopenv.envs.registry import PREFIX, find_config
 from coopenv.errors import CoopenvError
@@ -96,8 +96,10 @@ def any_body(rng: np.random.Generator, env: str, config: TransportConfig) -> dic
         "linear_drag": rng.choice([0.0, rng.uniform(0.0, 20.0)]),
         "angular_drag": rng.choice([0.0, rng.uniform(0.0, 20.0)]),
         "friction": rng.choice([0.0, rng.uniform(0.0, 1.0)]),
+        "ground_friction": rng.choice([0.0, 0.0, rng.uniform(0.0, 0.5)]),
     }
     if "Walker" in env:
+        del values["ground_friction"]
         grips = ((rng.uniform(-0.6, -0.3), rng.choice([0.0, 0.2])), (0.0, 0.0))
         rolls = bool(rng.random() < 0.8)
         return {"body": Body.walker(**values, grips=grips, nonholonomic=rolls)}
@@ -126,7 +128,16 @@ def any_scene(rng: np.random.Generator, env: str, config: TransportConfig) -> di
     ]
     size = tuple(rng.uniform(6.0, 12.0, 2))
     friction = float(rng.choice([0.0, 1.0]))
-    return {"scene": Scene(size=size, obstacles=tuple(boxes), friction=friction)}
+    falling = rng.random() < 0.3 or "Lift" in env
+    gravity = (0.0, -9.81) if rng.random() < 0.7 else tuple(rng.uniform(-5.0, 5.0, 2))
+    scene = Scene(
+        size=size,
+        obstacles=tuple(boxes),
+        friction=friction,
+        gravity=gravity if falling else (0.0, 0.0),
+        normal_gravity=float(rng.choice([0.0, 9.81, rng.uniform(0.0, 20.0)])),
+    )
+    return {"scene": scene}
 
 
 def any_ranges(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
@@ -143,21 +154,47 @@ def any_ranges(rng: np.random.Generator, env: str, config: TransportConfig) -> d
         "force_limit": (1.0, 20.0),
         "torque_limit": (0.5, 10.0),
     }
+    if config.hands is not None:
+        every |= {"stiffness": (50.0, 300.0), "damping": (5.0, 60.0)}
     kept = {name: value for name, value in every.items() if rng.random() < 0.5}
     logarithmic = ("mass",) if "mass" in kept and rng.random() < 0.5 else ()
     return {"randomise": Ranges(**kept, logarithmic=logarithmic)}
 
 
 def any_team(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
-    """Limits, kind of action, and who is told the goal."""
+    """Limits, kind of action, hands if they act, and who is told the goal."""
     agents = config.num_agents
+    action = str(rng.choice(["wrench", "force", "motion", "impedance"]))
     told = tuple(int(k) for k in np.flatnonzero(rng.random(agents) < 0.5))
     return {
-        "action": str(rng.choice(["wrench", "force"])),
+        "action": action,
+        "hands": any_hands(rng, agents) if action in ("motion", "impedance") else None,
         "force_limit": tuple(rng.uniform(1.0, 20.0, agents)),
         "torque_limit": tuple(rng.uniform(0.5, 10.0, agents)),
         "informed": None if rng.random() < 0.3 else told,
     }
+
+
+def any_hands(rng: np.random.Generator, agents: int) -> Hands:
+    """Hands of all agents alike, or of each its own."""
+
+    def one_or_each(low: float, high: float) -> float | tuple[float, ...]:
+        """In geometric proportion."""
+        drawn = np.exp(rng.uniform(np.log(low), np.log(high), agents)).tolist()
+        return tuple(drawn) if rng.random() < 0.5 else drawn[0]
+
+    joint = bool(rng.random() < 0.2)  # a ball joint
+    softest, slowest = rng.uniform(0.1, 1.0, 2)
+    return Hands(
+        stiffness=one_or_each(5.0, 1_000.0),
+        torque_stiffness=0.0 if joint else one_or_each(0.5, 100.0),
+        damping=0.0 if rng.random() < 0.2 else one_or_each(1.0, 100.0),
+        torque_damping=0.0 if joint else one_or_each(0.1, 20.0),
+        speed=one_or_each(0.1, 3.0),
+        turn_rate=one_or_each(0.1, 3.0),
+        stiffness_factors=(softest, rng.uniform(1.0, 4.0)),
+        damping_factors=(slowest, rng.uniform(1.0, 4.0)),
+    )
 
 
 def any_time(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:

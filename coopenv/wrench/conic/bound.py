@@ -15,11 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.wrench.conic.parts import TINY, Parts, Prices, along_lever, direction, norm, turned
 from coopenv.wrench.grasp import moment
 
 NEAR = 0.03  # sine of the angle to Σ f up to which forces are tried as agreeing
+STRAIGHT = 1e-3  # sine of the angle to its lever up to which a force is also bounded as along it
 AGREEMENTS = (0.1, 1.0, 10.0)  # multipliers of Σ f tried there, in units of cost / sine
 
 
@@ -55,7 +56,13 @@ def default_duals(whole: Parts, weights: Prices) -> Duals:
     return Duals(np.zeros((len(nothing), size)), force, torque, nothing, nothing.copy())
 
 
-def bounded(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> Bound:
+def bounded(
+    whole: Parts,
+    grips: FloatArray,
+    weights: Prices,
+    duals: Duals,
+    near_lever: BoolArray | None = None,
+) -> Bound:
     """Bound J(h) − J* from above, whatever the duals.
 
     Parameters
@@ -66,6 +73,8 @@ def bounded(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> B
         Costs of force, torque and induced torque.
     duals
         What to bound it with; cut down to ‖ζ‖ ≤ c where they must be.
+    near_lever
+        Forces ``(m, n)`` across whose lever ζ of the disc is chosen here, as of those along it.
     """
     dimension = grips.shape[-1]
     push, turn = duals.balance[:, None, :dimension], duals.balance[:, None, dimension:]
@@ -79,6 +88,8 @@ def bounded(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -> B
         about = about + induced
     left = -push - force - turned(about, grips)
     on_ray = along_lever(whole, grips)
+    if near_lever is not None:
+        on_ray = on_ray | near_lever
     if on_ray.any():  # such a disc is a point, and its ζ free: it takes all that is across
         square = np.where(on_ray, (grips * grips).sum(axis=-1), np.inf)
         free = moment(grips, left) / square[..., None]
@@ -97,6 +108,7 @@ def best_bound(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -
     so that they are tried as well.
     """
     bound = bounded(whole, grips, weights, duals)
+    _choose_discs_where_better(bound, whole, grips, weights, duals)
     towards = direction(whole.force.sum(axis=-2, keepdims=True))
     sine = _disagreement(whole.force, towards)
     near = np.flatnonzero(sine <= NEAR)
@@ -109,6 +121,22 @@ def best_bound(whole: Parts, grips: FloatArray, weights: Prices, duals: Duals) -
     for candidate in _candidates(some, weights, own, towards):
         _keep_better(bound, near, bounded(some, grips, weights, candidate))
     return bound
+
+
+def _choose_discs_where_better(
+    bound: Bound, whole: Parts, grips: FloatArray, weights: Prices, duals: Duals
+) -> None:
+    """Overwrite bounds where a force nearly along its lever is better bounded as one along it.
+
+    What it induces is so little that the ζ of its disc costs next to nothing; a solver knows that ζ
+    to its tolerance divided by the sine only.
+    """
+    reach = norm(whole.force) * norm(grips)
+    near = (reach > 0.0) & (norm(whole.induced) <= STRAIGHT * reach)
+    where = np.flatnonzero(near.any(axis=-1))
+    if where.size:
+        some, own = Parts(*(v[where] for v in whole)), Duals(*(v[where] for v in duals))
+        _keep_better(bound, where, bounded(some, grips[where], weights, own, near[where]))
 
 
 def _candidates(whole: Parts, weights: Prices, own: Duals, towards: FloatArray) -> list[Duals]:

@@ -38,7 +38,10 @@ def wrench_program(
         force, torque = _fixed(whole.force[i]), _fixed(whole.torque[i])
         if free:
             cost, zeta, on_ray = weights.force, duals.force[i], radial and has_lever
-            force = _vector(program, whole.force[i], forces[i], cost, zeta, on_ray)
+            axes = None
+            if has_lever and not radial:
+                axes = _along_and_across(grips[i], induced[i] / (forces[i] * lever))
+            force = _vector(program, whole.force[i], forces[i], cost, zeta, on_ray, axes)
         if torques[i] > NEGLIGIBLE * largest_torque:
             cost, zeta, on_ray = weights.torque, duals.torque[i], size == 3
             torque = _vector(program, whole.torque[i], torques[i], cost, zeta, on_ray)
@@ -47,6 +50,7 @@ def wrench_program(
         # the torque that its force induces
         if free and has_lever and not radial:
             unit = force.mapped(matrix[dimension:, i, :dimension] / induced[i])  # S(r_i)
+            unit.block[:, 0] = 0.0  # along the lever, but for rounding
             _limit_induced(program, unit, whole.induced[i], induced[i], weights.induced, duals, i)
 
     # balance
@@ -74,8 +78,12 @@ def _vector(
     cost: float,
     zeta: FloatArray,
     on_ray: bool,
+    axes: FloatArray | None = None,
 ) -> Affine:
-    """Add a force or torque, on its own ray or free in its ball; keep the ζ of its cost."""
+    """Add a force or torque, on its own ray or free in its ball; keep the ζ of its cost.
+
+    The columns of ``axes`` are what units of its variables stand for, in parts of ``size``.
+    """
     dimension = len(vector)
     if on_ray:
         column = program.variables(1, cost * size)
@@ -86,10 +94,26 @@ def _vector(
         np.eye(dimension),
         np.zeros(dimension),
     )
-    unit = Affine(columns, identity, nothing)
+    unit = Affine(columns, identity if axes is None else axes, nothing)
     program.ball(unit, 0.5 * vector / size, 0.5)
     program.keep(zeta, program.norm(unit, cost * size), 1.0 / size)
-    return Affine(columns, size * identity, nothing)
+    return Affine(columns, size * unit.block, nothing)
+
+
+def _along_and_across(grip: FloatArray, sine: float) -> FloatArray:
+    """Axes of a force along its lever, and across it in units of its ``sine`` to the lever.
+
+    A force nearly along its lever induces a torque that is tiny, and measured in itself: in other
+    axes its rows would have entries of 1 / sine, at which Clarabel loses the balls.
+    """
+    along = grip / norm(grip)
+    if len(grip) == 2:
+        return np.stack([along, sine * np.array([-along[1], along[0]])], axis=-1)
+    first = np.zeros(3)
+    first[np.argmin(np.abs(along))] = 1.0
+    second = np.cross(along, first)
+    second /= norm(second)
+    return np.stack([along, sine * second, sine * np.cross(along, second)], axis=-1)
 
 
 def _limit_induced(

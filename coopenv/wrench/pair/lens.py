@@ -21,6 +21,7 @@ ON_LINE = 4  # columns in all where the line passes through the centre of mass
 TIE = 1e-12  # relative surcharge on pure torque: among equal costs the smallest Σ‖t_M‖ wins
 LEVEL = 1e-14  # a derivative across the lens this small is rounding
 FINE = 1e-17  # by how much the largest component may be off
+DISC = 2e-15  # the same for the radius of a disc, where something else is exact
 ROUNDING = 4e-16  # of a number, relative to what it is the difference of
 
 
@@ -100,6 +101,25 @@ def extent(v, forces):
     low1, high1 = chord(v, f1x, f1y)
     low2, high2 = chord(v, -f2x, -f2y)
     return max(low1, low2), min(high1, high2)
+
+
+@compiled
+def rounded_extent(v, forces):
+    """`extent` of discs whose radii are larger by `DISC` of the largest component."""
+    f1x, f1y, f2x, f2y = forces
+    low1, high1 = _rounded_chord(v, f1x, f1y)
+    low2, high2 = _rounded_chord(v, -f2x, -f2y)
+    return max(low1, low2), min(high1, high2)
+
+
+@compiled
+def _rounded_chord(v, dx, dy):
+    """`chord` of a disc whose radius is larger by `DISC`: longer by 2 r `DISC` / chord, or more."""
+    low, high = chord(v, dx, dy)
+    square = max(0.25 * dx * dx + v * (dy - v), 0.0)
+    wider = square + DISC * sqrt(dx * dx + dy * dy)
+    more = sqrt(wider) - sqrt(square)
+    return low - more, high + more
 
 
 @compiled

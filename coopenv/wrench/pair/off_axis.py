@@ -43,6 +43,7 @@ from coopenv.wrench.pair.lens import (
     in_frame,
     remainder,
     resolution,
+    rounded_extent,
     write,
 )
 from coopenv.wrench.settings import Settings
@@ -244,14 +245,24 @@ def _heights(forces, torques, distance):
 
 @compiled
 def _best_u(v, case):
-    """The best u at height v; where rounding leaves none, one in the discs, as strips are steep."""
-    low, high, _, _ = _ends(v, case)
+    """The best u at height v; where rounding leaves none, one in the discs, as strips are steep.
+
+    Where a disc is level, its end moves by far more than rounding of v. It is put off by what
+    rounding of the forces would do there, so that it does not overrule a strip that is exact.
+    """
+    low, high, at_low, at_high = _ends(v, case)
     if low <= high:
         return _best(v, low, high, case)[0]
     left, right = extent(v, case.forces)
     if left > right:
         return at_vertex(v, case.forces)
-    return min(max(0.5 * (low + high), left), right)
+    u = 0.5 * (low + high)
+    if at_low <= 1:
+        u = high
+    elif at_high <= 1:
+        u = low
+    left, right = rounded_extent(v, case.forces)
+    return min(max(u, left), right)
 
 
 @compiled

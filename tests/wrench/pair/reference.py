@@ -88,9 +88,9 @@ def _minimum(function: Callable[[Decimal], Decimal], high: Decimal) -> Decimal:
 
 def _at_height(pair: Pair, v: Decimal) -> Decimal:
     """Least cost at height v; at 0 the applied wrench is feasible, whatever rounding says."""
-    torque = pair.torque[0] + pair.torque[1] + pair.distance * v
     taken = sum((min(own, ZERO) for own in pair.torque), ZERO)
     given = sum((max(own, ZERO) for own in pair.torque), ZERO)
+    torque = taken + given + pair.distance * v  # of the rounded sums: v = 0 must be between them
     ends = _feasible(pair, v) if taken <= torque <= given else None
     if ends is None:
         return NEVER if v else _cost(pair, ZERO, ZERO)

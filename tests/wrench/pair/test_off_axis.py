@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from coopenv import wrench
 from tests.wrench.cases import feasible_internal, pair_families, planar_cost, rotated
+from tests.wrench.pair.reference import least_cost
 
 GRIPS = np.array([[0.8, 0.3], [-0.5, 0.9]])
 SQUEEZED = [[0.0, -1.0, -1.0], [0.0, 1.0, 0.5]]  # at ±1 m torque costs the same in two ways
@@ -84,6 +85,44 @@ def test_close_to_the_axis_no_ball_is_left(distance):
         grips[:, 1] += distance * along[:, 0, ::-1] * [-1.0, 1.0]
         d = wrench.decompose(applied, grips)
         assert relative_residuals(d).max() <= 1e-11, name
+
+
+def test_no_ball_is_left_where_a_disc_that_is_nearly_level_meets_a_strip():
+    # as of forces nearly across or along the line: rounding of v moves the disc's end by far more
+    grips = np.array([[-1.4, 1.4], [1.4, 1.4]])
+    applied = pair_families(np.random.default_rng(9), 20_000)["uneven"]
+    for induced in (False, True):
+        d = wrench.decompose(applied, grips, include_induced=induced)
+        assert relative_residuals(d).max() <= 1e-14
+
+
+@pytest.mark.parametrize("induced", [False, True])
+@pytest.mark.parametrize("weight", [0.05, 0.5, 0.95])
+@pytest.mark.parametrize(
+    "applied",
+    [
+        [[0.191, -80530.41, 68166.87], [0.0326577, 30122.5, -204912.99]],
+        [[0.05096, 0.14658, 0.13823], [0.06207, 2.15353e-8, -1.24825e-8]],
+        [[-1.44018e-8, 0.03326, 4.78122e-7], [0.000144357, -0.10367, 0.17559]],
+    ],
+)
+def test_the_bound_holds_beside_60_digits_where_a_nearly_level_disc_meets_a_strip(
+    applied, weight, induced
+):
+    grips = np.array([[-1.4, 1.4], [1.4, 1.4]])
+    d = wrench.decompose(applied, grips, torque_weight=weight, include_induced=induced)
+    exact = least_cost(np.array(applied), grips, weight, induced)
+    assert abs(d.cost - exact) <= d.gap + 1e-15 * d.applied_cost
+
+
+def test_the_reference_of_60_digits_sees_that_only_the_torques_given_can_be_left():
+    # where v = 0 alone is feasible, and numbers of more than 60 digits are summed
+    applied = [[-3.92039816867888e-07, 3.0335576340833335e-06, -1.1588385471816098e-05]]
+    applied += [[3.013033067936313e-06, 4.073955665348763e-08, -1.7008718967691538e-05]]
+    grips = np.array([[-0.423607673308004, 0.0], [0.0, 0.0]])
+    d = wrench.decompose(applied, grips)
+    assert least_cost(np.array(applied), grips) == pytest.approx(float(d.cost), rel=1e-14, abs=0)
+    assert d.relative_cost > 1e-3
 
 
 def test_close_to_the_axis_the_bound_grows_as_rounding_does():
