@@ -30,7 +30,7 @@ def check_ranges(
 ) -> None:
     """Raise `InvalidInput` where the task cannot be done with what may be drawn.
 
-    ``strengths`` ``(agent, 2 or 8)`` are those of the team, from `TransportConfig.strengths`.
+    ``strengths`` ``(agent, column)`` are those of the team, from `TransportConfig.strengths`.
     """
     for body in set(bodies):
         ranges.check(body)
