@@ -45,8 +45,8 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
     if "hands" in read:
         values["hands"] = _each(config.hands or Hands(), read["hands"], "hands")
     if "actuators" in read:
-        given = config.actuators or Actuators()
-        values["actuators"] = _each(given, read["actuators"], "actuators")
+        own = config.actuators or Actuators()
+        values["actuators"] = _each(own, read["actuators"], "actuators")
     if "weights" in read:
         values["reward"] = config.terms.with_weights(**read["weights"])
     return replace(config, **values) if values else config

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, stated_array, plain_array
+from coopenv.arrays import BoolArray, FloatArray, IntArray, plain_array, stated_array
 from coopenv.errors import InvalidInput, UnknownName
 
 Table: TypeAlias = tuple[tuple[float, ...], ...]

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, stated_array, number, positive
+from coopenv.arrays import FloatArray, number, positive, stated_array
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, stated_array, positive
+from coopenv.arrays import FloatArray, positive, stated_array
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, Range, stated_array, number_range, whole
+from coopenv.arrays import FloatArray, Range, number_range, stated_array, whole
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 

@@ -1,4 +1,6 @@
-"""Checks of actuators against the rest of a configuration, and default ones where some are drawn."""
+"""Checks of actuators against the rest of a configuration, and default ones for drawn numbers."""
+
+import numpy as np
 
 from coopenv.physics.actuators import Actuators
 from coopenv.physics.strengths import ACTUATORS
@@ -28,4 +30,4 @@ def longest_delay(actuators: Actuators, ranges: Ranges | None) -> int:
     """The longest delay that there may be in an environment [control steps]."""
     if ranges is not None and ranges.delay is not None:
         return ranges.delay[1]
-    return max(actuators.delay) if isinstance(actuators.delay, tuple) else actuators.delay
+    return int(np.max(actuators.delay))

@@ -8,7 +8,13 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, positive, whole
 from coopenv.config.actuators import actuators_for
-from coopenv.config.agreement import check_partner, check_ranges, check_task, check_team_size
+from coopenv.config.agreement import (
+    check_partner,
+    check_ranges,
+    check_strength,
+    check_task,
+    check_team_size,
+)
 from coopenv.config.document import document_of, fields_in
 from coopenv.config.hands import check_integrable, hands_for
 from coopenv.config.keywords import (
@@ -260,11 +266,9 @@ class TransportConfig:
 
         `coopenv.physics.strengths` says which column is what.
         """
-        tables = [self.limits()]
-        for table in (self.hands, self.actuators):
-            if table is not None:
-                tables.append(table.table(self.num_agents))
-        return np.concatenate(tables, axis=1)
+        there = [each for each in (self.hands, self.actuators) if each is not None]
+        tables = [each.table(self.num_agents) for each in there]
+        return np.concatenate([self.limits(), *tables], axis=1)
 
     @property
     def terms(self) -> RewardSum:
@@ -318,6 +322,7 @@ class TransportConfig:
         read_agents(self.driven, "partner_agents of the task", count)
         check_partner(self.partner, self.partner_agents, self.driven, count)
         check_task(self.task, bodies, scenes)
+        check_strength(self.task, bodies, scenes, self.strengths(), self.randomise)
         for terms in (self.terms, self.costs):
             if terms is not None:
                 terms.check(count)

@@ -61,9 +61,9 @@ def check_integrable(
 
     Also where the body rubs on its ground, of which springs and dampers know nothing.
 
-    ``strengths`` ``(agent, column)`` are those of the team; of ``ranges``, the ends that may need most
-    substeps are looked at: the stiffest hands and the lightest body, longest and shortest, with its
-    grips as far out as may be drawn.
+    ``strengths`` ``(agent, column)`` are those of the team; of ``ranges``, the ends that may need
+    most substeps are looked at: the stiffest hands and the lightest body, longest and shortest,
+    with its grips as far out as may be drawn.
     """
     rubbing = [body.ground_friction for body in bodies if body.ground_friction > 0]
     if rubbing:

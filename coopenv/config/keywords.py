@@ -37,9 +37,7 @@ ELSEWHERE = {  # words that are no keyword of an environment -> where they belon
         "pass num_envs to gymnasium.make_vec, or num_worlds to coopenv.Transport",
     ),
     **dict.fromkeys(("n_agents", "num_agents"), "pass body=Body(grips=...), one an agent"),
-    **dict.fromkeys(
-        ("time_constant", "rate_limit"), "pass actuators=Actuators(time_constant=..., rate_limit=...)"
-    ),
+    **{name: f"pass actuators=Actuators({name}=...)" for name in ("time_constant", "rate_limit")},
     "delay": "pass actuators=Actuators(delay=...) for what acts late, or "
     "observe=(Sensor('twist', delay=...), ...) for what is seen late",
     "noise": "pass observe=(Sensor('twist', ...), ...)",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coopenv.arrays import FARTHEST, FloatArray, stated_array, number, positive
+from coopenv.arrays import FARTHEST, FloatArray, number, positive, stated_array
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import moved
 from coopenv.physics.body import Body

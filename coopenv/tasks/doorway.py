@@ -21,9 +21,9 @@ from coopenv.arrays import (
     FloatArray,
     Range,
     between,
-    stated_array,
     number_range,
     positive_range,
+    stated_array,
     whole,
 )
 from coopenv.errors import InvalidInput
