@@ -213,7 +213,10 @@ class LoadShare:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActionRate:
-    """Penalise jerky actions: r_i = −weight · ‖a_i − a_i,before‖²."""
+    """Penalise jerky actions: r_i = −weight · ‖a_i − a_i,before‖².
+
+    Those that agents command, whatever `coopenv.Actuators` make of them.
+    """
 
     weight: float = 0.01  # [reward]
 
