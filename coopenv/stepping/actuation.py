@@ -55,7 +55,6 @@ class Actuated(HeldWrenches):
         """Nothing is commanded and nothing acts; see `HeldWrenches.begin`."""
         self._handling.begin(worlds, pose, team)
         self._pending[worlds] = self._lagging[worlds] = self._acting[worlds] = 0.0
-        self._next[worlds] = 0
 
     def move(self, world: World, action: FloatArray, team: Team) -> Given:
         """See `HeldWrenches.move`; the action told is what was commanded."""

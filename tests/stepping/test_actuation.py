@@ -12,6 +12,7 @@ import coopenv
 from coopenv import Actuators, Ranges, Transport, rewards
 from coopenv.agents.partners import PARTNERS
 from coopenv.errors import CoopenvError, InvalidInput
+from coopenv.stepping.handling import CompliantHands, HeldWrenches
 from tests.helpers import NEVER, OPEN_ROOM, actions, assert_same, side_by_side, vec_env
 from tests.test_partner import Steady
 
@@ -139,6 +140,11 @@ def test_actuators_that_do_nothing_change_no_bit(keywords):
     plain, through = started(3, **keywords), started(3, actuators=Actuators(), **keywords)
     for command in commands(plain, 15):
         assert_same(plain.step(command), through.step(command))
+
+
+def test_without_actuators_nothing_is_between_action_and_handling():
+    assert type(started().handling) is HeldWrenches
+    assert type(started(action="motion").handling) is CompliantHands
 
 
 def test_each_agent_has_its_own():
