@@ -30,7 +30,8 @@ class Transition:
     Wrenches are in the object frame, which is also the frame they were held in. What hands gave
     changes within the step: ``applied`` is its mean over the substeps. ``stretch``, ``felt_wrench``
     and ``stored_energy`` are of hands and as they are at the end; ``None`` without hands. Behind
-    actuators, ``applied`` comes of what acts and not of ``action``. After a reset, ``state`` is ``next_state`` and nothing was applied.
+    actuators, ``applied`` comes of what acts and not of ``action``. After a reset, ``state`` is
+    ``next_state`` and nothing was applied.
     """
 
     state: State
