@@ -1,4 +1,4 @@
-"""Numbers of body, scene, task, ranges, hands and reward weights in place of a configuration's."""
+"""Numbers of body, scene, task, ranges, hands, actuators and reward weights, changed by name."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -8,12 +8,13 @@ from typing import Any
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import toml
+from coopenv.physics.actuators import Actuators
 from coopenv.physics.body import Body
 from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box
 from coopenv.randomisation import Ranges
 
-GROUPS = ("body", "scene", "task", "randomise", "hands", "weights")
+GROUPS = ("body", "scene", "task", "randomise", "hands", "actuators", "weights")
 
 
 def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> TransportConfig:
@@ -43,6 +44,9 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
         values["randomise"] = _each(config.randomise or Ranges(), read["randomise"], "randomise")
     if "hands" in read:
         values["hands"] = _each(config.hands or Hands(), read["hands"], "hands")
+    if "actuators" in read:
+        own = config.actuators or Actuators()
+        values["actuators"] = _each(own, read["actuators"], "actuators")
     if "weights" in read:
         values["reward"] = config.terms.with_weights(**read["weights"])
     return replace(config, **values) if values else config

@@ -70,6 +70,8 @@ class EnvironmentChoice:
     """What every episode draws anew, lowest and highest: mass=[4,9]."""
     hands: tuple[str, ...] = ()
     """Of hands, with action motion or impedance: stiffness=200 speed=0.5."""
+    actuators: tuple[str, ...] = ()
+    """Of what lies behind every action: delay=2 time_constant=0.1 rate_limit=5."""
     weights: tuple[str, ...] = ()
     """Of the reward's terms: progress=5 relative_cost=0.3."""
 

@@ -14,6 +14,7 @@ from coopenv.missing import refusal
 from coopenv.observation import BLOCKS, Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, Player, name_partners
+from coopenv.physics.actuators import Actuators
 from coopenv.physics.body import Body
 from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box, Scene
@@ -38,6 +39,7 @@ __version__ = version("coopenv")
 __all__ = [
     "BLOCKS",
     "PUSHES",
+    "Actuators",
     "Block",
     "Body",
     "Box",

@@ -24,6 +24,7 @@ FARTHEST = 1e6  # [m] and [rad]; beyond, rounding of a position or an angle show
 Array = TypeVar("Array", bound=npt.NDArray[Any])
 Item = TypeVar("Item")
 
+_PLAIN = {float, int, np.float64}
 _UNREAL = (str, bytes, complex, np.complexfloating, np.datetime64, np.timedelta64)
 
 
@@ -37,6 +38,22 @@ def finite_array(value: Any, name: str) -> FloatArray:
             "remove or interpolate missing samples first"
         )
     return array
+
+
+def stated_array(value: Any, name: str) -> FloatArray:
+    """`finite_array` of a parameter: True and False, which NumPy takes for 1 and 0, are no numbers.
+
+    For what is read once, since it looks at every element.
+    """
+    given = finite_array(value, name)
+    kinds = set(map(type, value)) if isinstance(value, list | tuple) else {type(value)}
+    if not kinds <= _PLAIN:
+        elements = np.asarray(value, dtype=object).ravel().tolist()
+        if any(isinstance(each, bool | np.bool_) for each in elements):
+            raise InvalidInput(
+                f"{name} must be made of numbers, got {value!r}; write 1.0 or 0.0 if that is meant"
+            )
+    return given
 
 
 def number_array(value: Any, name: str) -> FloatArray:
@@ -137,7 +154,7 @@ def number(value: Any, name: str) -> float:
 
 def number_range(value: Any, name: str) -> Range:
     """Return ``value`` as (low, high), or raise `InvalidInput` unless two numbers in order."""
-    ends = finite_array(value, name)
+    ends = stated_array(value, name)
     if ends.shape != (2,):
         raise InvalidInput(f"{name} must be (low, high), got {value!r}; give two numbers")
     low, high = ends.tolist()

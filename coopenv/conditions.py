@@ -1,6 +1,6 @@
 """Conditions of an episode, one row a world: body, scene, team, plan, and who is told the goal."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -10,8 +10,9 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, has_items, with_items, with_rows
 from coopenv.geometry import frames
 from coopenv.physics.body import Body
-from coopenv.physics.hands import DAMPING, STIFFNESS
 from coopenv.physics.scene import Scene
+from coopenv.physics.strengths import ACTUATORS, HANDS, parted
+from coopenv.randomisation import Ranges
 from coopenv.wrench import Decomposer, Settings
 
 
@@ -23,19 +24,21 @@ class Team:
     frame: FloatArray  # (world, agent, 2): see `coopenv.geometry.frames`
     limits: FloatArray  # (world, agent, 2): force [N] and torque [N·m] an action of 1 stands for
     hands: FloatArray  # (world, agent, 6): `coopenv.Hands.table`; (world, agent, 0) without hands
+    actuators: FloatArray  # (world, agent, 3): `coopenv.Actuators.table`; likewise
     settings: Settings  # of the environment's own decomposition
     alike: bool  # whether every world has the same grips
     _decomposers: dict[Settings | None, Decomposer] = field(default_factory=dict, repr=False)
 
     @classmethod
     def build(cls, grips: FloatArray, strengths: FloatArray, settings: Settings) -> "Team":
-        """A team from grips and strengths, limits and then hands, ``(world, agent, …)`` each."""
-        limits, hands = _parted(strengths)
+        """A team from grips and strengths ``(world, agent, …)``, by `coopenv.physics.strengths`."""
+        limits, hands, actuators = parted(strengths)
         return cls(
             grips=grips,
             frame=frames.agent_frames(grips),
             limits=limits,
             hands=hands,
+            actuators=actuators,
             settings=settings,
             alike=bool((grips == grips[:1]).all()),
         )
@@ -49,8 +52,8 @@ class Team:
 
     @property
     def strengths(self) -> FloatArray:
-        """``(world, agent, 2 or 8)``: limits, and what hands there are."""
-        return np.concatenate([self.limits, self.hands], axis=-1)
+        """``(world, agent, column)``: limits, and what hands and actuators there are."""
+        return np.concatenate([self.limits, self.hands, self.actuators], axis=-1)
 
     @property
     def num_agents(self) -> int:
@@ -79,6 +82,7 @@ class Team:
             frame=self.frame[worlds],
             limits=self.limits[worlds],
             hands=self.hands[worlds],
+            actuators=self.actuators[worlds],
             _decomposers=self._decomposers if self.alike else {},
         )
 
@@ -86,14 +90,9 @@ class Team:
         """A copy with the grips and strengths of ``worlds`` replaced."""
         strengths = with_rows(self.strengths, worlds, strengths)
         if np.array_equal(self.grips[worlds], grips):
-            limits, hands = _parted(strengths)
-            return replace(self, limits=limits, hands=hands)
+            limits, hands, actuators = parted(strengths)
+            return replace(self, limits=limits, hands=hands, actuators=actuators)
         return Team.build(with_rows(self.grips, worlds, grips), strengths, self.settings)
-
-
-def _parted(strengths: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Limits and hands, each in memory of its own."""
-    return strengths[..., :2].copy(), strengths[..., 2:].copy()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -163,9 +162,10 @@ class Conditions:
     def parameters(self) -> dict[str, FloatArray]:
         """What is carried and by how strong a team, by the names of `coopenv.Ranges`.
 
-        ``(world,)`` each; ``grips`` ``(world, agent, 2)`` in the object frame [m], limits, and
-        where there are hands stiffness and damping, ``(world, agent)``. The arrays are the
-        conditions' own.
+        ``(world,)`` each; ``grips`` ``(world, agent, 2)`` in the object frame [m], limits,
+        where there are hands stiffness and damping, and where there are actuators delay, time
+        constant and rate limit (`coopenv.physics.actuators.UNLIMITED` for none), ``(world,
+        agent)``. The arrays are the conditions' own.
         """
         load, along = self.load, self.load.outline[..., 0]
         return {
@@ -178,14 +178,13 @@ class Conditions:
             "grips": self.team.grips,
             "force_limit": self.team.limits[..., 0],
             "torque_limit": self.team.limits[..., 1],
-            **self._hands(),
+            **{name: value for name, value in self._tables() if name in Ranges.__slots__},
         }
 
-    def _hands(self) -> dict[str, FloatArray]:
-        hands = self.team.hands
-        if not hands.shape[-1]:
-            return {}
-        return {"stiffness": hands[..., STIFFNESS], "damping": hands[..., DAMPING]}
+    def _tables(self) -> Iterator[tuple[str, FloatArray]]:
+        """Columns of hands and actuators, if there are any, by their names."""
+        for names, table in ((HANDS, self.team.hands), (ACTUATORS, self.team.actuators)):
+            yield from zip(names, np.moveaxis(table, -1, 0), strict=False)
 
     def take(self, worlds: IntArray) -> "Conditions":
         """Only the given worlds."""

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, plain_array
+from coopenv.arrays import BoolArray, FloatArray, IntArray, plain_array, stated_array
 from coopenv.errors import InvalidInput, UnknownName
 
 Table: TypeAlias = tuple[tuple[float, ...], ...]
@@ -49,7 +49,7 @@ def read_pushes(value: Any) -> str | Table:
         if value not in PUSHES:
             raise UnknownName("pushes", value, PUSHES)
         return value
-    rows = finite_array(value, "pushes")
+    rows = stated_array(value, "pushes")
     if rows.ndim != 2 or rows.shape[1] != 3 or not 2 <= len(rows) <= MOST_PUSHES:
         raise InvalidInput(
             f"pushes must be from 2 to {MOST_PUSHES} rows (fx, fy, tz), got an array of shape "

@@ -3,21 +3,23 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import product
-from math import exp, log
+from math import exp, floor, log
 from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, Range, between, number_range, positive_range
+from coopenv.arrays import FloatArray, Range, between, number_range, positive_range, whole
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.physics.actuators import LONGEST_DELAY
 from coopenv.physics.body import LEAST, Body, Points, copied, second_moments
+from coopenv.physics.strengths import columns
 
 _FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
-# Columns of a team's strengths that are drawn, and of hands those that keep their share of one.
-_STRENGTHS = {"force_limit": 0, "torque_limit": 1, "stiffness": 2, "damping": 4}
-_SHARES = {"stiffness": 3, "damping": 5}
+# Columns of a team's strengths that keep their share of one that is drawn.
+_SHARES = {"stiffness": "torque_stiffness", "damping": "torque_damping"}
 _RIM = 1e-9  # [m²] edge by distance that counts as on the rim
-_MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction", "damping")
+_MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction", "damping", "time_constant")
+_NO_LOGARITHM = ("grips", "delay", "logarithmic")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +51,9 @@ class Ranges:
     torque_limit: Range | None = None  # [N·m], each agent its own
     stiffness: Range | None = None  # [N/m] of hands, each agent its own
     damping: Range | None = None  # [N·s/m] of hands, each agent its own
+    delay: tuple[int, int] | None = None  # [control steps], whole, each agent its own
+    time_constant: Range | None = None  # [s] of actuators, each agent its own
+    rate_limit: Range | None = None  # [1/s] of actuators, each agent its own
     logarithmic: tuple[str, ...] = ()  # names of parameters that are drawn log-uniformly
 
     def __post_init__(self) -> None:
@@ -59,6 +64,8 @@ class Ranges:
             label = f"randomise.{name}"
             if name == "grips":
                 given = _grips(value, label)
+            elif name == "delay":
+                given = _delays(value, label)
             else:
                 least = LEAST if name in ("mass", "inertia") else 0.0
                 given = positive_range(value, label, or_zero=name in _MAY_BE_ZERO, at_least=least)
@@ -95,7 +102,7 @@ class Ranges:
         known = [
             entry.name
             for entry in fields(self)
-            if entry.name not in ("grips", "logarithmic") and getattr(self, entry.name) is not None
+            if entry.name not in _NO_LOGARITHM and getattr(self, entry.name) is not None
         ]
         for name in names:
             if name not in known:
@@ -117,9 +124,9 @@ class Variations:
     body
         What is varied.
     strengths
-        ``(agent, 2)`` or ``(agent, 8)``, where nothing else is drawn: force [N] and torque [N·m]
-        that agents give at most, and the table of their hands
-        (`coopenv.config.TransportConfig.strengths`).
+        ``(agent, column)``, where nothing else is drawn
+        (`coopenv.config.TransportConfig.strengths`). Of hands and actuators that are not in it
+        nothing is drawn.
 
     Attributes
     ----------
@@ -134,15 +141,13 @@ class Variations:
         plan: list[tuple[str, int, Range]] = [(name, 0, getattr(ranges, name)) for name in single]
         if ranges.grips is not None:
             plan += [("grips", i, ends) for i in agents for ends in ranges.grips]
-        self._drawn = [
-            name
-            for name, column in _STRENGTHS.items()
-            if column < strengths.shape[1] and getattr(ranges, name) is not None
-        ]
+        self._columns = {name: j for j, name in enumerate(columns(strengths.shape[1]))}
+        self._drawn = [name for name in self._columns if getattr(ranges, name, None) is not None]
         plan += [(name, i, getattr(ranges, name)) for name in self._drawn for i in agents]
         self.count = len(plan)
         self._single, self._moves_grips = single, ranges.grips is not None
         self._ends = [ends for *_, ends in plan]
+        self._whole = [name == "delay" for name, *_ in plan]
         self._logs = [
             (log(ends[0]), log(ends[1])) if name in ranges.logarithmic else None
             for name, _, ends in plan
@@ -152,8 +157,10 @@ class Variations:
     def __call__(self, fractions: Sequence[float]) -> tuple[Body, FloatArray]:
         """The body and the strengths ``(agent, …)`` that `count` numbers in [0, 1] stand for."""
         numbers = [
-            _drawn(ends, fraction, logs)
-            for ends, fraction, logs in zip(self._ends, fractions, self._logs, strict=True)
+            _steps(ends, fraction) if whole else _drawn(ends, fraction, logs)
+            for ends, fraction, logs, whole in zip(
+                self._ends, fractions, self._logs, self._whole, strict=True
+            )
         ]
         values: dict[str, Any] = dict(zip(self._single, numbers, strict=False))
         rest, num_agents = numbers[len(self._single) :], self._body.num_agents
@@ -167,10 +174,10 @@ class Variations:
             rest = rest[2 * num_agents :]
         strengths = self._strengths.copy()
         for number, name in enumerate(self._drawn):
-            column = _STRENGTHS[name]
+            column = self._columns[name]
             strengths[:, column] = rest[number * num_agents : (number + 1) * num_agents]
             if name in _SHARES:
-                strengths[:, _SHARES[name]] *= self._grown(strengths, column)
+                strengths[:, self._columns[_SHARES[name]]] *= self._grown(strengths, column)
         return copied(self._body, values), strengths
 
     def _grown(self, strengths: FloatArray, column: int) -> FloatArray:
@@ -211,6 +218,18 @@ def _drawn(ends: Range, fraction: float, logs: Range | None) -> float:
     if logs is None:
         return between(ends, fraction)
     return min(max(exp(logs[0] + fraction * (logs[1] - logs[0])), ends[0]), ends[1])
+
+
+def _steps(ends: Range, fraction: float) -> float:
+    """Any whole number from the low end to the high one, each as often as the others."""
+    low, high = ends
+    return min(low + floor(fraction * (high - low + 1)), high)
+
+
+def _delays(value: Any, name: str) -> tuple[int, int]:
+    low, high = number_range(value, name)
+    most = {"at_least": 0, "at_most": LONGEST_DELAY}
+    return whole(low, name, **most), whole(high, name, **most)
 
 
 def _grips(value: Any, name: str) -> tuple[Range, Range]:

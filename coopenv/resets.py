@@ -206,7 +206,7 @@ class Draws:
         return conditions, start, goal
 
     def _carried(self, generator: np.random.Generator | None, k: int) -> tuple[Body, FloatArray]:
-        """The body of world ``k``'s next episode, and the team's strengths ``(agent, 2 or 8)``."""
+        """The body of world ``k``'s next episode, and the team's strengths ``(agent, …)``."""
         body, strengths = self._bodies[k], self._strengths[k]
         if not self._variations:
             return body, strengths

@@ -29,14 +29,15 @@ class Transition:
 
     Wrenches are in the object frame, which is also the frame they were held in. What hands gave
     changes within the step: ``applied`` is its mean over the substeps. ``stretch``, ``felt_wrench``
-    and ``stored_energy`` are of hands and as they are at the end; ``None`` without hands. After a
-    reset, ``state`` is ``next_state`` and nothing was applied.
+    and ``stored_energy`` are of hands and as they are at the end; ``None`` without hands. Behind
+    actuators, ``applied`` comes of what acts and not of ``action``. After a reset, ``state`` is
+    ``next_state`` and nothing was applied.
     """
 
     state: State
     next_state: State
     conditions: Conditions  # what holds for the whole episode
-    action: FloatArray  # (world, agent, a), clipped to [−1, 1], agent frame
+    action: FloatArray  # (world, agent, a), as commanded, clipped to [−1, 1], agent frame
     previous_action: FloatArray  # as action; zero at the first step of an episode
     applied: FloatArray  # (world, agent, 3) [N, N·m]
     contact_impulse: FloatArray  # (world,) [N·s] from walls and obstacles

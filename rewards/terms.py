@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, number, positive
+from coopenv.arrays import FloatArray, number, positive, stated_array
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
@@ -174,7 +174,7 @@ class LoadShare:
         if self.scale is not None:
             positive(self.scale, "scale", unit="N" if self.of == "force" else "N·m")
         if self.wanted is not None:
-            wanted = finite_array(self.wanted, "wanted").tolist()
+            wanted = stated_array(self.wanted, "wanted").tolist()
             object.__setattr__(self, "wanted", tuple(wanted) if np.ndim(wanted) else wanted)
 
     def check(self, num_agents: int) -> None:
@@ -213,7 +213,10 @@ class LoadShare:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActionRate:
-    """Penalise jerky actions: r_i = −weight · ‖a_i − a_i,before‖²."""
+    """Penalise jerky actions: r_i = −weight · ‖a_i − a_i,before‖².
+
+    Those that agents command, whatever `coopenv.Actuators` make of them.
+    """
 
     weight: float = 0.01  # [reward]
 

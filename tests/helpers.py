@@ -12,6 +12,7 @@ import pytest
 import coopenv
 from coopenv import (
     BLOCKS,
+    Actuators,
     Body,
     Box,
     DoorwayTask,
@@ -115,6 +116,13 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "action": "motion",
         "randomise": replace(WIDE, stiffness=(50.0, 200.0), damping=(10.0, 40.0)),
         "substeps": 4,
+    },
+    "actuators": {
+        "actuators": Actuators(delay=(1, 2), time_constant=0.1, rate_limit=(None, 6.0)),
+        "partner": "leader",
+    },
+    "drawn actuators": {
+        "randomise": replace(WIDE, delay=(0, 3), time_constant=(0.0, 0.2), rate_limit=(2.0, 9.0))
     },
     "own pushes": {"action": "discrete", "pushes": ((0, 0, 0), (0.5, 0, 0.2), (0, -1, 0))},
     "bounded": {"bounded": True, "observe": tuple(BLOCKS)},
@@ -225,7 +233,7 @@ OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
         "low and wide": {
             "task": LiftTask(obstacle_height=(0.2, 0.3), obstacle_width=0.8, shelf=(0.9, 1.0)),
         },
-        "may lean": {"task": LiftTask(tilt_limit=3.2, fall_limit=20.0)},
+        "may lean": {"task": LiftTask(tilt_limit=3.1, fall_limit=20.0)},
         "observe hurdle": {"observe": ("hurdle", "down")},
         "told to one": {"informed": (0,)},
     },

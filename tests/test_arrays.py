@@ -14,6 +14,7 @@ from coopenv.arrays import (
     plain_array,
     positive,
     positive_range,
+    stated_array,
     whole,
 )
 from coopenv.errors import InvalidInput
@@ -100,6 +101,22 @@ def test_lists_that_hold_themselves_are_refused():
 def test_an_array_without_masked_values_is_taken():
     kept = np.ma.masked_array([1.0, 2.0], mask=[False, False])
     assert finite_array(kept, "x").tolist() == plain_array(kept, "x").tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    "value", [True, np.True_, [1.0, False], ((0.5, True), (1.0, 2.0)), np.array([True, False])]
+)
+def test_true_and_false_are_no_numbers_of_a_parameter(value):
+    with pytest.raises(
+        InvalidInput, match=r"x must be made of numbers, got .*; write 1\.0 or 0\.0"
+    ):
+        stated_array(value, "x")
+    assert finite_array(value, "x").size  # of a recording they are
+
+
+def test_a_parameter_of_numbers_is_taken_in_any_form():
+    for value in (2, 2.0, [1, 2.0], ((0.5, 1), (1.0, 2.0)), np.ones((2, 2)), np.float32(1)):
+        np.testing.assert_array_equal(stated_array(value, "x"), finite_array(value, "x"))
 
 
 def test_a_plain_array_is_handed_on_as_it_is():

@@ -33,7 +33,9 @@ def test_a_keyword_of_elsewhere_is_told_its_place(given, remedy):
 
 @pytest.mark.parametrize("given", ["mask", "frob", "x", "", "colour", "agent", "state"])
 def test_what_is_merely_alike_is_not_offered(given):
-    with pytest.raises(UnknownName, match=f"got '{given}'; known: action, body") as raised:
+    with pytest.raises(
+        UnknownName, match=f"got '{given}'; known: action, actuators, body"
+    ) as raised:
         coopenv.TransportConfig.parse({given: 3})
     assert "did you mean" not in str(raised.value)
 

@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from coopenv import Body, Box, Ranges, Scene, Sensor, Transport, TransportConfig, rewards
+from coopenv import Actuators, Body, Box, Ranges, Scene, Sensor, Transport, TransportConfig, rewards
 from coopenv.agents import partners
 from coopenv.errors import BodyLost, CoopenvError, InvalidInput
 from coopenv.observation import ranges
@@ -55,6 +55,7 @@ def cases():
     box = {"center": (2.5, 2.5), "size": (0.2, 0.2)}
     yield from of_environment(Box, "scene", lambda made: Scene(obstacles=(made,)), **box)
     yield from of_environment(Ranges, "randomise")
+    yield from of_environment(Actuators, "actuators")
     yield from of_environment(Sensor, "observe", lambda made: (made,), block="goal")
     for entry in fields(TransportConfig):
         yield f"config.{entry.name}", lambda value, name=entry.name: ran(**{name: value})
@@ -126,6 +127,31 @@ def refusal(run, value) -> str | None:
 )
 def test_numbers_without_measure_are_refused_by_name(keywords, said):
     with pytest.raises(InvalidInput, match=said):
+        Transport(**keywords)
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        {"hands": {"stiffness": True}, "action": "motion"},
+        {"hands": {"stiffness_factors": (True, 2.0)}, "action": "impedance"},
+        {"body": {"grips": ((-0.9, False), (0.9, 0.0))}},
+        {"body": {"outline": ((-1, True), (-1, -1), (1, -1), (1, 1))}},
+        {"body": {"mass": True}},
+        {"scene": {"size": (True, 6.0)}},
+        {"scene": {"gravity": (0.0, True)}},
+        {"force_limit": True},
+        {"torque_limit": (5.0, True)},
+        {"randomise": {"mass": (True, 9.0)}},
+        {"pushes": ((0, 0, False), (1, 0, 0)), "action": "discrete"},
+        {"actuators": {"time_constant": True}},
+    ],
+    ids=str,
+)
+def test_true_and_false_are_refused_as_numbers_of_an_environment(keywords):
+    with pytest.raises(
+        InvalidInput, match=r" must be (made of numbers|a number), got .*(Tru|Fals)e"
+    ):
         Transport(**keywords)
 
 

@@ -11,7 +11,8 @@ VIEWS = ("env", "parallel_env", "single_env", "vector_env")
 
 NAMES: dict[str, tuple[str, ...]] = {
     "coopenv": (
-        "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Hands", "LiftTask", "PUSHES",
+        "Actuators", "BLOCKS", "Block", "Body", "Box", "DoorwayTask", "Episode", "Hands",
+        "LiftTask", "PUSHES",
         "Partner", "Player", "Ranges", "Reference", "Scene", "Sensor", "Snapshot", "State", "Task",
         "TrackingTask", "Transition", "Transport", "TransportConfig", "TransportTask",
         "WalkerAvoidTask", "WalkerTurnTask", "__version__", "beam_doorway_v0", "beam_lift_v0",

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 
+from coopenv.config import ACTIONS
+from coopenv.config.hands import BY_HANDS
 from coopenv.errors import InvalidInput
 from coopenv.transport import Transport
 
@@ -83,7 +85,7 @@ def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any], *, learned_on: boo
 
 
 def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> None:
-    """Raise `InvalidInput` if ``core`` shows other blocks or a team of another kind.
+    """Raise `InvalidInput` if ``core`` shows other blocks, takes other actions or has another team.
 
     Parameters
     ----------
@@ -104,6 +106,7 @@ def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> 
             f"got {' '.join(seen)}; evaluate it with the observe= of its training "
             f"(--observe {' '.join(trained)}), or in the environment that its file records"
         )
+    check_kind(environment, core.config.action)
     control = training.get("control", "shared")  # not known: no team is refused
     learners = len(core.learners)
     if control != "shared" and agents != learners:
@@ -113,6 +116,27 @@ def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> 
             f"policy must drive the {team} that it was trained for{beside} "
             f"(control={control!r}), got an environment with {learners} learners; give it a "
             "partner= (--partner), or evaluate it in the environment that its file records"
+        )
+
+
+def check_kind(environment: Mapping[str, Any], action: str) -> None:
+    """Raise `InvalidInput` if what moves hands would be taken for a wrench, or the other way round.
+
+    Where sizes differ, they tell by themselves.
+
+    Parameters
+    ----------
+    environment
+        Part of a policy's record; one that says no action is not refused.
+    action
+        Kind of the actions that are to be carried out.
+    """
+    trained = environment.get("action")
+    if trained in ACTIONS and trained != action and {trained, action} & set(BY_HANDS):
+        raise InvalidInput(
+            f"action must be {trained!r} for a policy that was trained with it, got {action!r}, "
+            "whose numbers mean something else; leave action= (--action) as the policy's file "
+            "records it, or train another policy"
         )
 
 

@@ -20,7 +20,7 @@ from coopenv.observation.bounds import Bounds
 from coopenv.pushes import read_pushes, table_of
 from coopenv.tasks import TASKS, RollingTask
 
-from .record import part_of
+from .record import check_kind, part_of
 from .spaces import Spaces, said
 
 _OWN_BLOCKS = "; blocks of your own need a file, and LearnedPartner(path=..., trust=True)"
@@ -70,9 +70,11 @@ def seats(
     Raises
     ------
     InvalidInput
-        If it was trained on other sizes, for a team of another size, or as another kind of agent.
+        If it was trained on other sizes, for a team of another size, as another kind of agent, or
+        with actions that hands carry out and here do not.
     """
     counts = config.num_agents, len(agents)
+    check_kind(part_of(notes, "environment"), config.action)
     try:
         in_row = spaces.agents_in_row(counts, seen.size, ACTIONS[config.action])
         spaces.check_bounds(seen, in_row)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, finite_array, positive
+from coopenv.arrays import FloatArray, positive, stated_array
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 
@@ -119,7 +119,7 @@ class Population(Kind):
         _set(self, "members", tuple(_kind(kind, "partner.members") for kind in self.members))
         if self.weights is None:
             return
-        weights = finite_array(self.weights, "partner.weights")
+        weights = stated_array(self.weights, "partner.weights")
         if weights.shape != (len(self.members),) or (weights < 0).any() or weights.sum() == 0:
             raise InvalidInput(
                 f"partner.weights must be zero or positive, one for each of {len(self.members)} "

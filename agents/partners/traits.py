@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, Range, finite_array, number_range, whole
+from coopenv.arrays import FloatArray, Range, number_range, stated_array, whole
 from coopenv.chance import Chance
 from coopenv.errors import InvalidInput
 
@@ -55,7 +55,7 @@ def drawn(span: Span, chance: Chance, name: str) -> FloatArray:
 
 def checked_span(value: Any, name: str, *, low: float = 0.0, high: float = np.inf) -> Span:
     """``value`` as a number or a pair of them, or raise `InvalidInput` unless within bounds."""
-    ends = finite_array(value, name)
+    ends = stated_array(value, name)
     if ends.shape not in ((), (2,)) or (ends < low).any() or (ends > high).any():
         raise InvalidInput(
             f"{name} must be a number from {low:g} to {high:g}, or two for a range, got {value!r}; "

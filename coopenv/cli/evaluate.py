@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from coopenv.agents.evaluate import Evaluation
+    from coopenv.agents.policy import Policy
 try:
     import tyro
 except ImportError:  # asked for where the command line is read
@@ -119,10 +120,7 @@ class Evaluate:
     ) -> "list[Evaluation]":
         from coopenv.agents.evaluate import evaluate
 
-        policies = {
-            label: find_policy(name, places[label].config, trust=self._trusted is True)
-            for label, name in named.items()
-        }
+        policies = {label: self._found(name, places[label]) for label, name in named.items()}
         with console.status(f"evaluating on {self.episodes} held-out episodes"):
             return [
                 evaluate(
@@ -135,6 +133,19 @@ class Evaluate:
                 )
                 for label, policy in policies.items()
             ]
+
+    def _found(self, name: str, place: Environment) -> "Policy":
+        """The policy of that name for its environment."""
+        try:
+            return find_policy(name, place.config, trust=self._trusted is True)
+        except InvalidInput as error:
+            scripted = name.partition(":")[0] == "scripted"
+            if not scripted or place.config.hands is None or self.environment.env != RECORDED:
+                raise
+            raise InvalidInput(
+                f"{error}; {name} was to act where the trained policy did: evaluate it by itself, "
+                f"for example by coopenv evaluate {name} --env {place.env} --action wrench"
+            ) from error
 
     def _title(self, places: Mapping[str, Environment]) -> str:
         """Environments, what they have other than their ids' defaults, and the episodes."""

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import product
+from math import sqrt
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
+from coopenv.physics.strengths import parted
 from coopenv.randomisation import Ranges, Variations
 from coopenv.tasks import Task
 
@@ -30,7 +32,7 @@ def check_ranges(
 ) -> None:
     """Raise `InvalidInput` where the task cannot be done with what may be drawn.
 
-    ``strengths`` ``(agent, 2 or 8)`` are those of the team, from `TransportConfig.strengths`.
+    ``strengths`` ``(agent, column)`` are those of the team, from `TransportConfig.strengths`.
     """
     for body in set(bodies):
         ranges.check(body)
@@ -40,6 +42,34 @@ def check_ranges(
                 task.check(extreme, scene)
             except InvalidInput as error:
                 raise InvalidInput(f"randomise must leave the task possible: {error}") from error
+
+
+def check_strength(
+    task: Task,
+    bodies: Sequence[Body],
+    scenes: Sequence[Scene],
+    strengths: FloatArray,
+    ranges: Ranges | None,
+) -> None:
+    """Raise `InvalidInput` where the team is too weak for the task.
+
+    Of what may be drawn, it is the weakest with the heaviest body. A force is limited along each of
+    an agent's axes, so that between them it may be larger by √2.
+    """
+    for body, scene in _together(bodies, scenes):
+        if ranges is None:
+            task.check_strength(body, scene, _most_force(strengths))
+            continue
+        (_, weakest), (heaviest, _) = Variations(ranges, body, strengths).ends()
+        try:
+            task.check_strength(heaviest, scene, _most_force(weakest))
+        except InvalidInput as error:
+            raise InvalidInput(f"randomise must leave the task possible: {error}") from error
+
+
+def _most_force(strengths: FloatArray) -> float:
+    """More than a team gives in any direction [N]."""
+    return sqrt(2) * float(parted(strengths)[0][:, 0].sum())
 
 
 def check_partner(

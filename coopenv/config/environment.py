@@ -7,7 +7,14 @@ from typing import Any, cast
 import numpy as np
 
 from coopenv.arrays import FloatArray, positive, whole
-from coopenv.config.agreement import check_partner, check_ranges, check_task, check_team_size
+from coopenv.config.actuators import actuators_for
+from coopenv.config.agreement import (
+    check_partner,
+    check_ranges,
+    check_strength,
+    check_task,
+    check_team_size,
+)
 from coopenv.config.document import document_of, fields_in
 from coopenv.config.hands import check_integrable, hands_for
 from coopenv.config.keywords import (
@@ -26,6 +33,7 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.observation.bounds import Bounds
 from coopenv.partner import Partner
+from coopenv.physics.actuators import Actuators
 from coopenv.physics.body import Body
 from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Scene
@@ -81,6 +89,9 @@ class TransportConfig:
     hands
         Springs and dampers with ``action="motion"`` or ``"impedance"``, a `Hands`; ``None``: the
         default ones, if there are to be any.
+    actuators
+        Delay, lag and rate limit behind every agent's action, a partner's too, an `Actuators`;
+        ``None``: none, unless ``randomise`` draws some.
     force_limit, torque_limit
         What an action of 1 stands for, one number or one an agent; and the most that hands give.
     horizon
@@ -135,6 +146,7 @@ class TransportConfig:
     randomise: Ranges | None = None
     partner: Partner | str | None = None
     partner_agents: Sequence[int] | None = None
+    actuators: Actuators | None = None
 
     def __post_init__(self) -> None:
         _set = object.__setattr__
@@ -158,6 +170,8 @@ class TransportConfig:
             _set(self, "randomise", built(self.randomise, "randomise", Ranges))
         hands = None if self.hands is None else built(self.hands, "hands", Hands)
         _set(self, "hands", hands_for(self.action, hands, self.randomise))
+        if self.actuators is not None:
+            _set(self, "actuators", built(self.actuators, "actuators", Actuators))
         _set(self, "partner", read_partner(self.partner))
         self._read_team()
         self._check_agreement()
@@ -248,10 +262,13 @@ class TransportConfig:
         return limits
 
     def strengths(self) -> FloatArray:
-        """``(agent, 2)``: `limits`; with hands ``(agent, 8)``, their `coopenv.Hands.table` too."""
-        if self.hands is None:
-            return self.limits()
-        return np.concatenate([self.limits(), self.hands.table(self.num_agents)], axis=1)
+        """``(agent, column)``: `limits`, and the tables of hands and of actuators if there are any.
+
+        `coopenv.physics.strengths` says which column is what.
+        """
+        there = [each for each in (self.hands, self.actuators) if each is not None]
+        tables = [each.table(self.num_agents) for each in there]
+        return np.concatenate([self.limits(), *tables], axis=1)
 
     @property
     def terms(self) -> RewardSum:
@@ -283,6 +300,7 @@ class TransportConfig:
             _set(self, name, read_limit(getattr(self, name), name, count))
         for name in ("informed", "partner_agents"):
             _set(self, name, read_agents(getattr(self, name), name, count))
+        _set(self, "actuators", actuators_for(self.actuators, self.randomise, count))
 
     def _check_agreement(self) -> None:
         """Raise where fields that are right by themselves do not go together."""
@@ -304,6 +322,7 @@ class TransportConfig:
         read_agents(self.driven, "partner_agents of the task", count)
         check_partner(self.partner, self.partner_agents, self.driven, count)
         check_task(self.task, bodies, scenes)
+        check_strength(self.task, bodies, scenes, self.strengths(), self.randomise)
         for terms in (self.terms, self.costs):
             if terms is not None:
                 terms.check(count)

@@ -14,6 +14,7 @@ from coopenv.physics.hands import (
     Hands,
     needed_substeps,
 )
+from coopenv.physics.strengths import parted
 from coopenv.randomisation import Ranges, Variations
 
 BY_HANDS = ("motion", "impedance")  # actions that hands carry out
@@ -60,9 +61,9 @@ def check_integrable(
 
     Also where the body rubs on its ground, of which springs and dampers know nothing.
 
-    ``strengths`` ``(agent, 8)`` are those of the team; of ``ranges``, the ends that may need most
-    substeps are looked at: the stiffest hands and the lightest body, longest and shortest, with its
-    grips as far out as may be drawn.
+    ``strengths`` ``(agent, column)`` are those of the team; of ``ranges``, the ends that may need
+    most substeps are looked at: the stiffest hands and the lightest body, longest and shortest,
+    with its grips as far out as may be drawn.
     """
     rubbing = [body.ground_friction for body in bodies if body.ground_friction > 0]
     if rubbing:
@@ -89,7 +90,7 @@ def _hardest(
 ) -> Iterator[tuple[Body, FloatArray]]:
     """Bodies and tables of hands of which one needs the most substeps."""
     if ranges is None:
-        yield body, strengths[:, 2:].copy()
+        yield body, parted(strengths)[1]
         return
     lightest = {
         name: (getattr(ranges, name)[0],) * 2
@@ -102,7 +103,7 @@ def _hardest(
         drawn = Variations(one, body, strengths)
         held, stiffest = drawn([1.0] * drawn.count)
         grips = tuple(_outwards(grip, ranges.grips) for grip in held.grips)
-        yield replace(held, grips=grips), stiffest[:, 2:].copy()
+        yield replace(held, grips=grips), parted(stiffest)[1]
 
 
 def _outwards(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import LARGEST, finite_array, whole
+from coopenv.arrays import LARGEST, stated_array, whole
 from coopenv.config.json_form import revived
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING, Entry, find_blocks
@@ -37,7 +37,10 @@ ELSEWHERE = {  # words that are no keyword of an environment -> where they belon
         "pass num_envs to gymnasium.make_vec, or num_worlds to coopenv.Transport",
     ),
     **dict.fromkeys(("n_agents", "num_agents"), "pass body=Body(grips=...), one an agent"),
-    **dict.fromkeys(("delay", "noise"), "pass observe=(Sensor('twist', ...), ...)"),
+    **{name: f"pass actuators=Actuators({name}=...)" for name in ("time_constant", "rate_limit")},
+    "delay": "pass actuators=Actuators(delay=...) for what acts late, or "
+    "observe=(Sensor('twist', delay=...), ...) for what is seen late",
+    "noise": "pass observe=(Sensor('twist', ...), ...)",
     **dict.fromkeys(("gamma", "discount"), "discounting is the learner's"),
     "length": "pass body=Body.beam(length=...)",
     "options": "pass it to reset",
@@ -212,7 +215,7 @@ def read_flag(value: Any, name: str) -> bool:
 
 def read_limit(value: Any, name: str, num_agents: int) -> float | tuple[float, ...]:
     """What an action of 1 stands for: one positive number, or one an agent."""
-    limits = finite_array(value, name)
+    limits = stated_array(value, name)
     out = (limits <= 0) | (limits > LARGEST)
     if limits.shape not in ((), (num_agents,)) or out.any():
         raise InvalidInput(

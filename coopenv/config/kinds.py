@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from coopenv import rewards
 from coopenv.errors import UnknownName
 from coopenv.observation import Block, EachOther, RangeReading, Sensor, ranges
+from coopenv.physics.actuators import Actuators
 from coopenv.physics.body import Body
 from coopenv.physics.hands import Hands
 from coopenv.physics.scene import Box, Scene
@@ -31,7 +32,7 @@ def dataclasses_of(face: str, names: Iterable[str], scope: Mapping[str, Any]) ->
 _kinds: dict[str, Maker] = {
     **{
         f"coopenv.{kind.__name__}": kind
-        for kind in (*TASKS, Body, Box, Hands, Scene, Ranges, Reference)
+        for kind in (*TASKS, Actuators, Body, Box, Hands, Scene, Ranges, Reference)
     },
     "coopenv.Block": Block,
     "coopenv.Sensor": Sensor,

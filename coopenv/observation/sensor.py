@@ -14,7 +14,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from coopenv.arrays import LARGEST, IntArray, finite_array, whole
+from coopenv.arrays import LARGEST, IntArray, stated_array, whole
 from coopenv.chance import Keys, mixed, normal
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
@@ -78,7 +78,7 @@ class Sensor:
 
 
 def _deviation(value: Any, name: str) -> float | tuple[float, ...]:
-    deviation = finite_array(value, name)
+    deviation = stated_array(value, name)
     out = (deviation < 0) | (deviation > LARGEST)
     if deviation.ndim > 1 or not deviation.size or out.any():
         raise InvalidInput(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FARTHEST, FloatArray, finite_array, positive, whole
+from coopenv.arrays import FARTHEST, FloatArray, positive, stated_array, whole
 from coopenv.errors import InvalidInput
 
 LEAST = 1e-15  # of mass [kg] and inertia [kg·m²]
@@ -201,7 +201,7 @@ _FIELDS = tuple(entry.name for entry in fields(Body))
 
 
 def _points(value: object, name: str, *, at_least: int) -> Points:
-    array = finite_array(value, name)
+    array = stated_array(value, name)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) < at_least:
         raise InvalidInput(
             f"{name} must be at least {at_least} points (x, y), got shape {array.shape}; "
@@ -245,7 +245,7 @@ def _polygon(radius: float, sides: int) -> FloatArray:
 
 def _rectangle(size: Any) -> FloatArray:
     """Corners ``(4, 2)`` [m] of a rectangle."""
-    given = finite_array(size, "size")
+    given = stated_array(size, "size")
     if given.shape != (2,) or (given <= 0).any() or (given > FARTHEST).any():
         raise InvalidInput(
             f"size must be two positive numbers of at most {FARTHEST:g}, got {size!r}; give "

@@ -1,22 +1,19 @@
 """Hands: with how much compliance agents hold their grips, and how many substeps that needs."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from math import ceil
 
 import numpy as np
 
-from coopenv.arrays import LARGEST, FloatArray, Range, finite_array, positive_range
-from coopenv.errors import InvalidInput
+from coopenv.arrays import FloatArray, Range, positive_range
 from coopenv.physics.body import Body
+from coopenv.physics.strengths import PerAgent, check_count, per_agent
 
 # Columns of a table of hands, one row an agent.
 STIFFNESS, TORQUE_STIFFNESS, DAMPING, TORQUE_DAMPING, SPEED, TURN_RATE = range(6)
 NUM_COLUMNS = 6
 
 _MAY_BE_ZERO = ("torque_stiffness", "damping", "torque_damping")
-
-PerAgent = float | Sequence[float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,20 +58,14 @@ class Hands:
             if name.endswith("_factors"):
                 given = positive_range(value, f"hands.{name}")
             else:
-                given = _per_agent(value, f"hands.{name}", or_zero=name in _MAY_BE_ZERO)
+                given = per_agent(value, f"hands.{name}", or_zero=name in _MAY_BE_ZERO)
             object.__setattr__(self, name, given)
 
     def check(self, num_agents: int) -> None:
         """Raise `InvalidInput` where a sequence is not of one number an agent."""
         for entry in fields(self):
-            value = getattr(self, entry.name)
-            if isinstance(value, float) or entry.name.endswith("_factors"):
-                continue
-            if len(value) != num_agents:
-                raise InvalidInput(
-                    f"hands.{entry.name} must be one number or one for each of {num_agents} "
-                    f"agents, got {value!r}; add or drop numbers"
-                )
+            if not entry.name.endswith("_factors"):
+                check_count(getattr(self, entry.name), f"hands.{entry.name}", num_agents)
 
     def table(self, num_agents: int) -> FloatArray:
         """``(agent, 6)``: the columns that this module numbers."""
@@ -134,16 +125,3 @@ def _at_centre(body: Body, linear: FloatArray, angular: FloatArray) -> FloatArra
         total += along * grip @ grip.T
         total[2, 2] += turning
     return total
-
-
-def _per_agent(value: object, name: str, *, or_zero: bool) -> float | tuple[float, ...]:
-    """One number or a tuple of them, in bounds."""
-    given = finite_array(value, name)
-    out = (given < 0) | (given > LARGEST) | ((given == 0) & (not or_zero))
-    if given.ndim > 1 or given.size == 0 or out.any():
-        rule = "zero or positive" if or_zero else "positive"
-        raise InvalidInput(
-            f"{name} must be {rule}, one number or one an agent, at most {LARGEST:g}, got "
-            f"{value!r}; give it in SI units"
-        )
-    return tuple(given.tolist()) if given.ndim else given.item()

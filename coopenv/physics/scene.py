@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coopenv.arrays import FARTHEST, FloatArray, finite_array, number, positive
+from coopenv.arrays import FARTHEST, FloatArray, number, positive, stated_array
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import moved
 from coopenv.physics.body import Body
@@ -147,7 +147,7 @@ def _apart(first: FloatArray, second: FloatArray) -> bool:
 def _pair(
     value: object, name: str, how: str = "(x, y) in metres", unit: str = "m"
 ) -> tuple[float, float]:
-    array = finite_array(value, name)
+    array = stated_array(value, name)
     if array.shape != (2,):
         raise InvalidInput(f"{name} must be two numbers, got {value!r}; pass {how}")
     if (np.abs(array) > FARTHEST).any():

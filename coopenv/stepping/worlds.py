@@ -19,6 +19,7 @@ from coopenv.physics.world import World
 from coopenv.pushes import pushed
 from coopenv.resets import Draws
 from coopenv.snapshot import generator_states, put_generators, take_rows
+from coopenv.stepping.actuation import behind_actuators
 from coopenv.stepping.driven import driven_agents, read_action
 from coopenv.stepping.handling import handling_of
 from coopenv.tasks.episodes import Episodes
@@ -65,7 +66,8 @@ class SteppedWorlds:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
-        self.handling = handling_of(self.config, self.num_worlds)
+        handling = handling_of(self.config, self.num_worlds)
+        self.handling = behind_actuators(handling, self.config, self.num_worlds)
         self.driven = driven_agents(self.config, self.num_worlds)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None

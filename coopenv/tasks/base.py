@@ -70,6 +70,12 @@ class Task(ABC):
     def check(self, body: Body, scene: Scene) -> None:
         """Raise `coopenv.errors.InvalidInput` where the task cannot be done with these."""
 
+    def check_strength(self, body: Body, scene: Scene, force: float) -> None:  # noqa: B027
+        """Raise `coopenv.errors.InvalidInput` where a team is too weak; never.
+
+        ``force`` [N] is more than all agents together give in any direction.
+        """
+
     @abstractmethod
     def sample(
         self, generator: np.random.Generator, body: Body, scene: Scene

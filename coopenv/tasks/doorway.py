@@ -21,9 +21,9 @@ from coopenv.arrays import (
     FloatArray,
     Range,
     between,
-    finite_array,
     number_range,
     positive_range,
+    stated_array,
     whole,
 )
 from coopenv.errors import InvalidInput
@@ -243,7 +243,7 @@ class DoorwayTask(PoseTask):
 
 
 def _rectangle(value: object, name: str) -> Rectangle:
-    given = finite_array(value, name)
+    given = stated_array(value, name)
     if given.shape != (2, 2) or (given[0] >= given[1]).any():
         raise InvalidInput(
             f"{name} must be two corners ((x, y), (x, y)), the lower left one first, got "

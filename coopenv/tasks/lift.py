@@ -10,6 +10,7 @@
 """
 
 from dataclasses import dataclass
+from math import pi
 
 import numpy as np
 
@@ -81,7 +82,7 @@ class LiftTask(PoseTask):
         Range of the x of the shelf's edge, from where it reaches to the wall, and of its height
         over the floor [m].
     tilt_limit
-        How far it may lean [rad].
+        How far it may lean [rad], below π.
     fall_limit
         How fast it may go down [m/s].
 
@@ -104,6 +105,11 @@ class LiftTask(PoseTask):
     def __post_init__(self) -> None:
         PoseTask.__post_init__(self)
         self._check_positive("height_tolerance", "obstacle_width", "tilt_limit", "fall_limit")
+        if self.tilt_limit >= pi:
+            raise InvalidInput(
+                f"task.tilt_limit must be below π, got {self.tilt_limit!r}; nothing leans more, "
+                "give it in rad"
+            )
         for name in ("start", "obstacle", "shelf"):
             object.__setattr__(self, name, number_range(getattr(self, name), f"task.{name}"))
         for name in ("obstacle_height", "shelf_height"):
@@ -153,6 +159,15 @@ class LiftTask(PoseTask):
                 f"scene.size must be at least {needed:.2f} m high to lift it over {top} m, "
                 f"got {scene.size}; enlarge it, or lower task.obstacle_height and "
                 "task.shelf_height"
+            )
+
+    def check_strength(self, body: Body, scene: Scene, force: float) -> None:
+        """Raise `InvalidInput` where the body weighs more than the team can bear."""
+        most = force / -scene.gravity[1]  # [kg]
+        if body.mass >= most:
+            raise InvalidInput(
+                f"body.mass must be below {most:.4g} kg, which is all that the team bears with its "
+                f"force_limit, got {body.mass:g}; raise force_limit, or take a lighter body"
             )
 
     def sample(self, generator: np.random.Generator, body: Body, scene: Scene) -> Episode:

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
-from coopenv import TransportConfig, cli
+from coopenv import Actuators, TransportConfig, cli
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.cli.arguments import read
@@ -157,6 +157,8 @@ def test_only_what_is_named_changes():
     assert choice("--randomise", "mass=[4, 9]").randomise.mass == (4.0, 9.0)
     hands = choice("--action", "motion", "--hands", "stiffness=[80, 90]", "speed=0.5").hands
     assert (hands.stiffness, hands.speed, hands.damping) == ((80.0, 90.0), 0.5, 30.0)
+    late = choice("--actuators", "delay=2", "rate-limit=[3, 4]")
+    assert late.actuators == Actuators(delay=2, rate_limit=(3.0, 4.0))
     box = choice("--scene", "obstacles=[{center = [0, 1], size = [0.1, 0.1]}]").scene.obstacles[0]
     assert (box.center, box.size) == ((0.0, 1.0), (0.1, 0.1))
 
@@ -170,6 +172,8 @@ def test_only_what_is_named_changes():
         (("--body", "mass=-1"), "body.mass must be positive"),
         (("--weights", "squeeze=1"), "reward term must be one of the known names"),
         (("--task", "clearence=1"), "did you mean 'clearance'"),
+        (("--actuators", "delay=0.5"), "actuators.delay must be a whole number"),
+        (("--actuators", "lag=1"), "name in actuators must be one of the known names"),
         (("--hands", "stiffness=80"), "hands must come with action='motion'"),
     ],
 )

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from coopenv import (
     BLOCKS,
+    Actuators,
     Block,
     Body,
     Box,
@@ -236,6 +237,13 @@ VALUES = st.fixed_dictionaries(
         "informed": st.none() | st.sampled_from([(), (0,), (1, 0)]),
         "decomposition": SETTINGS.filter(bool),
         "partner": st.none() | KINDS,
+        "actuators": st.none()
+        | st.builds(
+            Actuators,
+            delay=st.integers(0, 9) | st.tuples(st.integers(0, 9), st.integers(0, 9)),
+            time_constant=st.just(0) | SIZES,
+            rate_limit=st.none() | SIZES | st.tuples(st.none(), SIZES),
+        ),
     }
 )
 

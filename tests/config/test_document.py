@@ -10,6 +10,7 @@ import pytest
 
 from coopenv import (
     BLOCKS,
+    Actuators,
     Block,
     Body,
     Box,
@@ -95,6 +96,10 @@ CASES: dict[str, dict[str, Any]] = {
         "action": "impedance",
         "hands": Hands(stiffness=(80, 120.5), turn_rate=2, damping_factors=(0.5, 1)),
         "randomise": Ranges(stiffness=(50, 100), damping=(0, 9), logarithmic=("stiffness",)),
+    },
+    "actuators": {
+        "actuators": Actuators(delay=(1, 0), time_constant=0.1, rate_limit=(None, 4)),
+        "randomise": Ranges(delay=(0, 3), rate_limit=(2, 8), logarithmic=("rate_limit",)),
     },
     "ranges": {
         "randomise": Ranges(

@@ -37,6 +37,7 @@ AGREEING = [
     "three agents",
     "plate of four",
     "randomised",
+    "drawn actuators",
 ]
 
 

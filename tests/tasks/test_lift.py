@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from coopenv import Body, Box, LiftTask, Scene, Transport, TransportConfig
+from coopenv import Body, Box, LiftTask, Ranges, Scene, Transport, TransportConfig
 from coopenv.agents.controllers import ImpedanceController, find_controller
 from coopenv.agents.evaluate import evaluate
 from coopenv.envs.registry import find_config
@@ -248,6 +248,8 @@ def test_the_scripted_controller_lifts_it_gently(keywords):
     ("values", "message"),
     [
         ({"tilt_limit": 0.0}, r"task\.tilt_limit must be positive"),
+        ({"tilt_limit": 4.0}, r"task\.tilt_limit must be below π, got 4\.0"),
+        ({"tilt_limit": np.pi}, r"task\.tilt_limit must be below π"),
         ({"obstacle_height": (-1.0, 1.0)}, r"task\.obstacle_height must"),
         ({"start": (1.0, -1.0)}, r"task\.start must"),
         ({"shelf": (-0.3, 0.9)}, r"task\.shelf must begin behind the obstacle"),
@@ -278,6 +280,41 @@ def test_a_value_that_breaks_its_rule_is_refused(values, message):
 def test_a_room_in_which_nothing_can_be_lifted_is_refused(keywords, message):
     with pytest.raises(InvalidInput, match=message):
         lift(**keywords).reset(seed=0)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"body": Body(mass=17.4)}, r"body\.mass must be below 17\.3 kg, .* got 17\.4"),
+        ({"body": (Body(), Body(mass=50))}, r"body\.mass must be below 17\.3 kg"),
+        ({"force_limit": (20.0, 30.0)}, r"body\.mass must be below 7\.208 kg, .* got 7\.7"),
+        (
+            {"randomise": Ranges(mass=(5, 100))},
+            r"randomise must leave the task possible: body\.mass",
+        ),
+        (
+            {"randomise": Ranges(force_limit=(20, 90))},
+            r"possible: body\.mass must be below 5\.766 kg",
+        ),
+        ({"action": "motion", "body": Body(mass=20)}, r"body\.mass must be below 17\.3 kg"),
+    ],
+)
+def test_what_nobody_can_lift_is_refused(keywords, message):
+    with pytest.raises(InvalidInput, match=message):
+        find_config(ID, keywords)
+
+
+def test_what_somebody_can_lift_is_not_refused():
+    """Leaning as it may, with both axes of each agent: 163 N, where it is 120 N level."""
+    core = Transport(config=find_config(ID, {"body": Body(mass=16.0)}))
+    up = np.array([[(1.0, 1.0, 0.0), (-1.0, -1.0, 0.0)]])  # the second looks the other way
+    for lean, rises in ((0.49, True), (0.0, False)):
+        core.reset(seed=0, pose=(-2.5, 0.0, lean))
+        *_, terminated, _, _ = core.step(up)
+        assert (core.world.twist[0, 1] > 0.0) == rises
+        assert not terminated[0]
+    assert find_config(ID, {"randomise": Ranges(mass=(5, 16), force_limit=(60, 90))})
+    assert TransportConfig(body=Body(mass=1e3)).num_agents == 2  # a task that lifts nothing
 
 
 def test_json_brings_the_task_and_the_room_back():

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
-from coopenv import Sensor, TransportConfig, cli
+from coopenv import Sensor, Transport, TransportConfig, cli
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.sb3 import SB3Policy
 from coopenv.agents.settings import TrainConfig
@@ -51,6 +51,39 @@ def test_other_blocks_of_the_same_size_are_refused(team, observe, capsys):
 def test_the_same_blocks_through_worse_sensors_are_taken(team):
     noisy = replace(SEEN, observe=("goal", Sensor("twist", noise=0.1), "own_wrench"))
     assert evaluate(SB3Policy.load(team), noisy, episodes=2).episodes == 2
+
+
+@pytest.fixture(scope="module")
+def by_hand(tmp_path_factory) -> Path:
+    """A policy whose actions are velocities of hands."""
+    moved = replace(SEEN, action="motion")
+    return trained(tmp_path_factory.mktemp("hands"), moved, control="shared")
+
+
+def test_velocities_are_not_taken_for_wrenches_nor_wrenches_for_velocities(team, by_hand, capsys):
+    said = "action must be 'motion' for a policy that was trained with it, got 'wrench'"
+    with pytest.raises(InvalidInput, match=said):
+        evaluate(SB3Policy.load(by_hand), SEEN, episodes=2)
+    with pytest.raises(InvalidInput, match=r"action must be 'wrench' for .* got 'motion'"):
+        evaluate(SB3Policy.load(team), replace(SEEN, action="motion"), episodes=2)
+    assert cli.main(["evaluate", str(by_hand), "--episodes=2", "--action", "wrench"]) == 1
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert cli.main(["evaluate", str(by_hand), "--episodes=2"]) == 0
+    assert cli.main(["evaluate", "random", "--episodes=2", "--action", "motion"]) == 0
+
+
+def test_a_partner_whose_actions_are_velocities_gives_no_wrenches(by_hand):
+    with pytest.raises(InvalidInput, match="action must be 'motion' for a policy"):
+        Transport(config=replace(SEEN, partner=str(by_hand)))
+
+
+def test_a_scripted_one_beside_a_policy_that_moves_hands_is_told_how_to_be_evaluated(
+    by_hand, capsys
+):
+    assert cli.main(["evaluate", str(by_hand), "scripted", "--episodes=2"]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "action must be 'wrench', 'force' or 'discrete' for a scripted controller" in said
+    assert "coopenv evaluate scripted --env coopenv/BeamTransport-v0 --action wrench" in said
 
 
 def test_a_policy_of_one_agent_does_not_drive_several(one, capsys):
