@@ -289,26 +289,40 @@ def share_or_even_kernel(applied, grips, force_share, force_defined, torque_shar
         torque_share[i] = torque_share[i] if torque_defined[0] else even
 
 
+@inlined
+def power_of(applied, grips, i, twist):
+    """Power of effector i's force, and of its torque at the centre of mass (eqs. 26-27)."""
+    if applied.shape[1] == 3:  # without the zeros of the third dimension
+        fx, fy = applied[i, 0], applied[i, 1]
+        torque = grips[i, 0] * fy - grips[i, 1] * fx + applied[i, 2]
+        return fx * twist[0] + fy * twist[1], torque * twist[2]
+    fx, fy, fz, tx, ty, tz = _at_centre(applied, grips, i)
+    linear = fx * twist[0] + fy * twist[1] + fz * twist[2]
+    return linear, tx * twist[3] + ty * twist[4] + tz * twist[5]
+
+
+@inlined
+def share_power(power):
+    """Turn powers into shares, NaN where undefined; returns what passes between effectors [W]."""
+    net, magnitude = 0.0, 0.0
+    for i in range(power.shape[0]):
+        net += power[i]
+        magnitude += abs(power[i])
+    for i in range(power.shape[0]):
+        power[i] = -power[i] if net < 0.0 else power[i]
+    _normalise(power, abs(net), magnitude)
+    return 0.5 * (magnitude - abs(net))
+
+
 @gufunc(
     "(n,k),(n,d),(k)->(n),(n),(n),()",
     "void(float64[:,:], float64[:,:], float64[:], float64[:], float64[:], float64[:], float64[:])",
 )
 def energy_share_kernel(applied, grips, twist, total, linear, angular, internal_power):
     """Write each effector's share of the power and what passes between them (eqs. 26-27)."""
-    spatial = applied.shape[1] == 6
     for i in range(applied.shape[0]):
-        fx, fy, fz, tx, ty, tz = _at_centre(applied, grips, i)
-        linear[i] = fx * twist[0] + fy * twist[1] + (fz * twist[2] if spatial else 0.0)
-        angular[i] = tz * twist[2]
-        if spatial:
-            angular[i] = tx * twist[3] + ty * twist[4] + tz * twist[5]
+        linear[i], angular[i] = power_of(applied, grips, i, twist)
         total[i] = linear[i] + angular[i]
-    for power in (linear, angular, total):  # total last: what passes between them is its
-        net, magnitude = 0.0, 0.0
-        for i in range(applied.shape[0]):
-            net += power[i]
-            magnitude += abs(power[i])
-        internal_power[0] = 0.5 * (magnitude - abs(net))
-        for i in range(applied.shape[0]):
-            power[i] = -power[i] if net < 0.0 else power[i]
-        _normalise(power, abs(net), magnitude)
+    share_power(linear)
+    share_power(angular)
+    internal_power[0] = share_power(total)

@@ -99,7 +99,7 @@ def test_nobody_is_faster_than_the_bound_and_it_is_not_far(body):
 
 def test_speeds_are_bounded_by_the_box_round_the_ellipse_in_which_energy_grows():
     body, limits = Body(linear_drag=4.0, angular_drag=0.5), np.array([[10.0, 5.0], [6.0, 2.0]])
-    found = Bounds.of((body,), (Scene(),), limits, None, 1e9).by_unit
+    found = Bounds.of((body,), (Scene(),), limits, None, 1e9, dt=0.05).by_unit
     forces = np.sqrt(2) * limits[:, 0]
     force, torque = forces.sum(), (limits[:, 1] + 0.9 * forces).sum()
     drag, spin_drag = body.linear_drag, body.angular_drag
