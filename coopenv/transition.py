@@ -123,11 +123,11 @@ class Transition:
 
     @property
     def power(self) -> Power:
-        """What of the object's power each agent supplies, and what passes between them (eqs. 26-27).
+        """What part of the power each agent supplies, and what passes between them (eqs. 26-27).
 
-        Of ``applied`` at ``power.twist``, the step's mean twist in the object frame. Times ``dt`` it
-        is the work of what was held in the step. `coopenv.wrench.energy_share` of these two gives
-        the linear and the angular shares too.
+        Of ``applied`` at ``power.twist``, the step's mean twist in the object frame. Times ``dt``
+        it is the work of what was held in the step. `coopenv.wrench.energy_share` of these two
+        gives the linear and the angular shares too.
         """
         if not self._power:
             before, after = self.state, self.next_state

@@ -40,7 +40,7 @@ class StoredEnergy:
     needs_hands: ClassVar[bool] = True
 
     weight: float = 0.1  # [reward / step] at an energy of ``scale``
-    scale: float = 0.1  # [J] what counts as 1
+    scale: float = 0.5  # [J] what counts as 1
 
     def __post_init__(self) -> None:
         positive(self.scale, "scale", unit="J")

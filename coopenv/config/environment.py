@@ -276,7 +276,9 @@ class TransportConfig:
         if not self.bounded:
             return None
         bodies, scenes = _each(self.body), _each(self.scene)
-        softest = 1.0 if self.action != "impedance" else cast(Hands, self.hands).stiffness_factors[0]
+        softest = (
+            1.0 if self.action != "impedance" else cast(Hands, self.hands).stiffness_factors[0]
+        )
         return Bounds.of(
             bodies,
             scenes,

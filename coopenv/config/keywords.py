@@ -138,13 +138,14 @@ def _by_name(entry: Entry, own: Mapping[str, Block]) -> Any:
     return entry
 
 
-def _sensed(
-    sensing: Any, observe: Any, own: tuple[Block, ...], by_hands: bool
-) -> tuple[Any, ...]:
+def _sensed(sensing: Any, observe: Any, own: tuple[Block, ...], by_hands: bool) -> tuple[Any, ...]:
     """The blocks that the word ``sensing`` stands for, with the task's ``own``."""
     if not isinstance(sensing, str) or sensing not in SENSING:
         raise UnknownName("sensing", sensing, SENSING)
-    sets = (DEFAULT_BLOCKS, *(sensed(w, by_hands=hands) for w in SENSING for hands in (False, True)))
+    sets = (
+        DEFAULT_BLOCKS,
+        *(sensed(w, by_hands=hands) for w in SENSING for hands in (False, True)),
+    )
     if observe not in (*sets, *((*names, *own) for names in sets)):  # else nobody chose it by hand
         _check_one_sight({"sensing": sensing, "observe": observe})
     return (*sensed(sensing, by_hands=by_hands), *own)

@@ -156,7 +156,9 @@ def _stretched(strengths: FloatArray, softest: float) -> tuple[float, float, flo
     A hand without torque stiffness has no angle to its reference: any bound will do.
     """
     force, torque = strengths[..., :2].max(axis=0).T  # (agent,) each
-    stiffness, turning = softest * strengths[..., [2 + STIFFNESS, 2 + TORQUE_STIFFNESS]].min(axis=0).T
+    stiffness, turning = (
+        softest * strengths[..., [2 + STIFFNESS, 2 + TORQUE_STIFFNESS]].min(axis=0).T
+    )
     turns = turning > 0
     way = force / stiffness
     turn = np.where(turns, torque / np.where(turns, turning, 1.0), np.pi)

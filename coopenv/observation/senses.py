@@ -9,7 +9,7 @@ from coopenv.arrays import FloatArray
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.geometry.displacement import turned
-from coopenv.geometry.frames import rotated, rotated_back
+from coopenv.geometry.frames import rotated_back
 from coopenv.observation.block import Block
 from coopenv.transition import Transition
 
@@ -152,7 +152,9 @@ def specific_force(ends, grips, frame, gravity, dt):
         turn = turned(angle, spin, next_pose[k, 2], next_spin, dt)
         middle = angle + turn / 2
         c, s = np.cos(middle), np.sin(middle)
-        dvx, dvy = rotated_back(c, s, next_twist[k, 0] - twist[k, 0], next_twist[k, 1] - twist[k, 1])
+        dvx, dvy = rotated_back(
+            c, s, next_twist[k, 0] - twist[k, 0], next_twist[k, 1] - twist[k, 1]
+        )
         gx, gy = rotated_back(c, s, gravity[k, 0], gravity[k, 1])
         half_c, half_s = np.cos(turn / 2), np.sin(turn / 2)
         across, along = half_c * (next_spin - spin), half_s * (next_spin + spin)
