@@ -7,7 +7,7 @@ python -m benchmarks.observations --write    # and writes docs/observations.md
 import numpy as np
 
 from benchmarks.pages import DOCS, filled, markdown, show
-from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING
+from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, FELT, SENSING
 from coopenv.observation.block import Block, EachOther
 from coopenv.tasks import TASKS
 
@@ -29,12 +29,17 @@ def rows() -> list[list[str]]:
             block.frame or "—",
             bounds(block),
             block.describe,
-            f"`{type(own[name]).__name__}`"
-            if name in own
-            else ", ".join(word for word, names in SETS.items() if name in names) or "—",
+            f"`{type(own[name]).__name__}`" if name in own else part_of(name),
         ]
         for name, block in blocks.items()
     ]
+
+
+def part_of(name: str) -> str:
+    """The sets that hold a block; those of senses hold some only where there are hands."""
+    if name in FELT:
+        return f"{', '.join(SENSING)}: with hands"
+    return ", ".join(word for word, names in SETS.items() if name in names) or "—"
 
 
 def features(block: Block) -> str:

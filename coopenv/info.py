@@ -64,15 +64,17 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
 
     Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]. Shares ``(world, agent)`` are
     1/n where they are undefined, which ``force_load_share_defined`` and
-    ``torque_load_share_defined`` ``(world,)`` tell. The levels F_I [N] and T_I [N·m], γ, the wasted
-    cost [N], ``success``, which is ``is_success`` too, ``contact_impulse`` [N·s] and
-    ``contact_shift`` [m] are ``(world,)``, the last two as `coopenv.physics.motion.collect` has
-    them. With hands, ``stored_energy`` ``(world, agent)`` [J] is what their springs hold.
+    ``torque_load_share_defined`` ``(world,)`` tell; likewise ``energy_share``, of the power at the
+    step's mean twist, and ``energy_share_defined``. The levels F_I [N] and T_I [N·m], γ, the wasted
+    cost [N], ``internal_power`` [W], ``success``, which is ``is_success`` too, ``contact_impulse``
+    [N·s] and ``contact_shift`` [m] are ``(world,)``, the last two as
+    `coopenv.physics.motion.collect` has them. With hands, ``stored_energy`` ``(world, agent)`` [J]
+    is what their springs hold.
     ``reward/<term>`` is ``(world, agent)``. Where body and team are drawn anew in every episode,
     ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
     decomposition = transition.decomposition
-    share = decomposition.share_or_even
+    share, power = decomposition.share_or_even, transition.power
     info = Info(
         internal_wrench=decomposition.internal,
         manipulation_wrench=decomposition.manipulation,
@@ -84,6 +86,9 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         wasted_cost=decomposition.wasted_cost,
         internal_force_level=decomposition.internal_force_level,
         internal_torque_level=decomposition.internal_torque_level,
+        energy_share=power.share,
+        energy_share_defined=power.defined,
+        internal_power=power.internal,
         success=transition.success,
         is_success=transition.success,
         contact_impulse=transition.contact_impulse,

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.conditions import Conditions, Team
 from coopenv.geometry import frames
+from coopenv.power import Power, power_over
 from coopenv.wrench import Decomposition, Settings
 
 
@@ -54,6 +55,7 @@ class Transition:
         init=False, default_factory=dict, repr=False
     )
     _own: list[Decomposition] = field(init=False, default_factory=list, repr=False)
+    _power: list[Power] = field(init=False, default_factory=list, repr=False)
 
     @classmethod
     def start(
@@ -91,11 +93,12 @@ class Transition:
         slowly.
         """
         made = object.__new__(cls)
-        made.__dict__.update(entries, _decompositions={}, _own=[])
+        made.__dict__.update(entries, _decompositions={}, _own=[], _power=[])
         return made
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_decompositions": {}, "_own": []}  # computed again when asked for
+        # What is computed when asked for is computed again.
+        return {**self.__dict__, "_decompositions": {}, "_own": [], "_power": []}
 
     @property
     def team(self) -> Team:
@@ -118,6 +121,23 @@ class Transition:
             found = self.team.decomposer(settings)(self.applied)
             self._decompositions[settings] = found
         return found
+
+    @property
+    def power(self) -> Power:
+        """What part of the power each agent supplies, and what passes between them (eqs. 26-27).
+
+        Of ``applied`` at ``power.twist``, the step's mean twist in the object frame. Times ``dt``
+        it is the work of what was held in the step. `coopenv.wrench.energy_share` of these two
+        gives the linear and the angular shares too.
+        """
+        if not self._power:
+            before, after = self.state, self.next_state
+            found = power_over(
+                self.applied, self.team.grips,
+                before.pose, before.twist, after.pose, after.twist, self.dt,
+            )  # fmt: skip
+            self._power.append(Power(*found))
+        return self._power[0]
 
     def per_agent(self, value: npt.NDArray[Any], scale: float = 1.0) -> FloatArray:
         """``scale`` × one value a world ``(world,)``, for each agent: ``(world, agent)``."""

@@ -4,6 +4,7 @@ A term is a function of a `coopenv.transition.Transition` that returns ``(world,
 weight lives in it. A `RewardSum` names the terms and reports each beside the total.
 """
 
+from .energy import InternalPower, StoredEnergy
 from .presets import COSTS, PRESETS, find_cost, find_reward
 from .shaping import Potential, PotentialShaping, Progress, closeness
 from .sums import RewardSum, Term, recompute
@@ -28,6 +29,7 @@ __all__ = [
     "Contact",
     "Effort",
     "InternalForce",
+    "InternalPower",
     "InternalTorque",
     "LoadShare",
     "Potential",
@@ -35,6 +37,7 @@ __all__ = [
     "Progress",
     "RelativeCost",
     "RewardSum",
+    "StoredEnergy",
     "Success",
     "Term",
     "TimeCost",

@@ -5,6 +5,7 @@ from typing import Any
 
 from coopenv.errors import InvalidInput, UnknownName
 
+from .energy import InternalPower, StoredEnergy
 from .shaping import Progress
 from .sums import RewardSum
 from .terms import (
@@ -59,6 +60,10 @@ COSTS: dict[str, RewardSum] = {
     "squeeze": RewardSum({"internal_force": InternalForce(weight=1.0)}),
     # what the team spends against itself [N]
     "waste": RewardSum({"wasted_cost": WastedCost(weight=1.0, scale=1.0)}),
+    # what agents pass to each other through what they hold [W]
+    "internal_power": RewardSum({"internal_power": InternalPower(weight=1.0, scale=1.0)}),
+    # what the springs of each agent's hand hold [J]
+    "stored_energy": RewardSum({"stored_energy": StoredEnergy(weight=1.0, scale=1.0)}),
 }
 
 

@@ -43,6 +43,9 @@ PARALLEL: dict[str, ModuleType] = {  # every registered id and its PettingZoo mo
 IDS = list(PARALLEL)
 LEVEL = [view for view in IDS if "Lift" not in view]  # else what lies on the floor touches it
 
+BLIND_TO_HANDS = tuple(  # the blocks that there are under every action
+    name for name, block in BLOCKS.items() if not block.needs_hands
+)
 OPEN_ROOM = Scene(size=(80.0, 80.0))  # [m]; nothing to touch within a test
 NEVER = TransportTask(position_tolerance=1e-9)  # cannot succeed
 EASY = TransportTask(  # random motion succeeds now and then
@@ -125,10 +128,12 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "randomise": replace(WIDE, delay=(0, 3), time_constant=(0.0, 0.2), rate_limit=(2.0, 9.0))
     },
     "own pushes": {"action": "discrete", "pushes": ((0, 0, 0), (0.5, 0, 0.2), (0, -1, 0))},
-    "bounded": {"bounded": True, "observe": tuple(BLOCKS)},
+    "bounded": {"bounded": True, "observe": BLIND_TO_HANDS},
     "cost": {"cost": {"jerk": coopenv.rewards.ActionRate(), "load": coopenv.rewards.LoadShare()}},
-    "every block": {"observe": tuple(BLOCKS)},
-    **{f"observe {name}": {"observe": (name,)} for name in BLOCKS},
+    "every block": {"observe": BLIND_TO_HANDS},
+    **{f"observe {name}": {"observe": (name,)} for name in BLIND_TO_HANDS},
+    "every block of hands": {"action": "motion", "observe": tuple(BLOCKS), "bounded": True},
+    "own senses of hands": {"action": "impedance", "sensing": "own", "cost": "stored_energy"},
     "own senses": {"sensing": "own"},
     "shared senses": {"sensing": "shared", "scene": CLUTTERED},
     "imperfect senses": {
@@ -173,7 +178,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "randomised plate": {"body": Body.plate(3), "randomise": WIDE, "observe": ("goal", "body")},
     "partner": {"partner": "population", "horizon": 10},
     "two of three driven": {"body": TRIO, "partner": "noisy", "partner_agents": (0, 2)},
-    "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": tuple(BLOCKS)},
+    "five agents": {"body": QUINTET, "scene": CLUTTERED, "observe": BLIND_TO_HANDS},
 }
 
 LOOP = Reference(  # [s], [m, m, rad]

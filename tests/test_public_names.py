@@ -75,15 +75,17 @@ NAMES: dict[str, tuple[str, ...]] = {
 
 WORDS: dict[str, tuple[str, ...]] = {  # registry -> what users pass as text
     "coopenv.BLOCKS": (
-        "body", "goal", "known", "load_share", "obstacles", "own_internal", "own_wrench",
-        "partner_internal", "partner_obstacles", "partner_wrench", "relative_cost", "time", "twist",
+        "acceleration", "body", "energy_share", "felt_wrench", "goal", "internal_power", "known",
+        "load_share", "obstacles", "own_internal", "own_motion", "own_wrench", "partner_internal",
+        "partner_obstacles", "partner_wrench", "relative_cost", "stored_energy", "stretch", "time",
+        "twist",
     ),
     "coopenv.agents.partners.PARTNERS": (
         "follower", "impedance", "lagging", "leader", "load_sharing", "noisy", "population",
         "stubborn", "switching",
     ),
     "coopenv.PUSHES": ("axes", "compass", "fine", "grid"),
-    "coopenv.rewards.COSTS": ("contact", "squeeze", "waste"),
+    "coopenv.rewards.COSTS": ("contact", "internal_power", "squeeze", "stored_energy", "waste"),
     "coopenv.rewards.PRESETS": ("balanced", "harmony", "sparse", "task", "tracking"),
     "coopenv.wrench.METHODS": (
         "max_internal", "moore_penrose", "net_force", "nonsqueezing", "one_dimensional", "optimal",

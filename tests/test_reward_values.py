@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from coopenv import Transport, rewards
+from coopenv.power import Power
 from coopenv.transition import Transition
 from coopenv.wrench import Decomposer, Decomposition, Settings
 from coopenv.wrench.answer import Answer
@@ -21,6 +22,7 @@ MANIPULATION = np.array([[[6, 0, 0], [0, 8, -1], [0, 0, 2]], np.zeros((3, 3))])
 APPLIED = INTERNAL + MANIPULATION  # (8, −3, 1.5), (−4, 9, 1), (2, 2, −2); forces sum up to (6, 8)
 ACTION = [[[1, -0.5, 0.25], [-1, 0, 0.5], [0, 0, 0]], [[0.2, 0, 0]] * 3]
 BEFORE = [[[0.5, 0.5, -0.25], [1, 0, 0.5], [0, 0, -1]], [[0.2, 0, 0]] * 3]
+STORED = np.array([[0.5, 0.25, 0.0], [1.0, 2.0, 3.0]])  # [J]
 WANTED = (0.5, 0.3, 0.2)
 
 
@@ -41,6 +43,10 @@ def hand_made() -> Transition:
         terminated=np.array([True, False]),
         contact_impulse=np.array([1.5, 0.25]),
         dt=0.1,
+        stored_energy=STORED,
+    )
+    step._power.append(
+        Power(np.zeros((2, 3)), np.ones((2, 3)) / 3, np.array([True, True]), np.array([1.5, 0.25]))
     )
     for settings, internal in ((OWN, INTERNAL), (OTHER, 2 * INTERNAL)):
         decomposer = Decomposer(core.team.grips[0], settings)
@@ -118,6 +124,10 @@ CASES = {
         ],
     ),
     "action rate": (rewards.ActionRate(weight=0.5), [[-0.75, -2, -0.5], [0, 0, 0]]),
+    "internal power": (
+        rewards.InternalPower(weight=0.3, scale=2.0), [-0.225 * ALIKE, -0.0375 * ALIKE],
+    ),
+    "stored energy": (rewards.StoredEnergy(weight=0.4, scale=2.0), -0.2 * STORED),
     "contact": (rewards.Contact(weight=2.0), [-3 * ALIKE, -0.5 * ALIKE]),
 }  # fmt: skip
 
@@ -132,6 +142,7 @@ def test_every_term_there_is_stands_in_the_table_of_values():
     known = {type(term) for term, _ in CASES.values()}
     assert known == {type(term) for each in rewards.PRESETS.values() for term in each.values()} | {
         rewards.PotentialShaping, rewards.WastedCost, rewards.LoadShare,
+        rewards.InternalPower, rewards.StoredEnergy,
     }  # fmt: skip
 
 

@@ -106,7 +106,9 @@ def test_wasted_cost_sees_little_of_squeezing_across_a_common_effort():
     assert rewards.InternalForce(weight=1.0)(step(across)) == pytest.approx(-4.0)
 
 
-@pytest.mark.parametrize("term", [rewards.WastedCost, rewards.LoadShare])
+@pytest.mark.parametrize(
+    "term", [rewards.WastedCost, rewards.LoadShare, rewards.InternalPower, rewards.StoredEnergy]
+)
 @pytest.mark.parametrize("scale", [0.0, -1.0, float("nan"), "ten"])
 def test_a_scale_that_is_no_positive_number_is_refused(term, scale):
     with pytest.raises(InvalidInput, match="scale must be"):

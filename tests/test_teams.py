@@ -7,12 +7,12 @@ from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test
 
 import coopenv
-from coopenv import BLOCKS, Body, Transport, TransportConfig
+from coopenv import Body, Transport, TransportConfig
 from coopenv.agents.controllers.impedance import ImpedanceController
 from coopenv.agents.evaluate import compare
 from coopenv.rewards import PRESETS
 from coopenv.wrench import Settings
-from tests.helpers import leaves
+from tests.helpers import BLIND_TO_HANDS, leaves
 
 COUNTS = (1, 3, 4, 8)
 ID = "coopenv/BeamTransport-v0"
@@ -21,7 +21,7 @@ FAST = Settings(method="moore_penrose")  # where the solver is not what is teste
 
 @pytest.mark.parametrize("count", COUNTS)
 def test_the_checkers_of_every_view_take_any_team(count):
-    keywords = {"body": Body.plate(count), "observe": tuple(BLOCKS), "horizon": 6}
+    keywords = {"body": Body.plate(count), "observe": BLIND_TO_HANDS, "horizon": 6}
     check_env(gymnasium.make(ID, **keywords).unwrapped, skip_render_check=True)
     parallel_api_test(coopenv.beam_transport_v0.parallel_env(**keywords), num_cycles=10)
     env = gymnasium.make_vec(ID, num_envs=2, **keywords)

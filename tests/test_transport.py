@@ -8,13 +8,14 @@ from dataclasses import FrozenInstanceError, fields, replace
 import numpy as np
 import pytest
 
-from coopenv import BLOCKS, Body, Scene, Transport, TransportTask
+from coopenv import Body, Scene, Transport, TransportTask
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.observation.view import agent_view
 from coopenv.rewards import PRESETS
 from coopenv.transition import Transition
 from coopenv.wrench import Settings
 from tests.helpers import (
+    BLIND_TO_HANDS,
     CLUTTERED,
     EASY,
     NEVER,
@@ -292,7 +293,7 @@ def test_a_partial_reset_leaves_the_others_untouched_to_the_bit():
 
 
 def test_an_empty_mask_resets_nothing():
-    core = started(num_worlds=3, observe=tuple(BLOCKS))
+    core = started(num_worlds=3, observe=BLIND_TO_HANDS)
     (obs, _, _, _, info), *_ = ride(core, actions(7, 1, 3, 2, 3))[0]
     seen, told = core.reset(mask=np.zeros(3, dtype=bool))
     np.testing.assert_array_equal(seen, obs)

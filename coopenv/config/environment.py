@@ -16,7 +16,7 @@ from coopenv.config.agreement import (
     check_team_size,
 )
 from coopenv.config.document import document_of, fields_in
-from coopenv.config.hands import check_integrable, hands_for
+from coopenv.config.hands import BY_HANDS, check_integrable, check_senses, hands_for
 from coopenv.config.keywords import (
     built,
     complete,
@@ -74,7 +74,8 @@ class TransportConfig:
     sensing
         A word for ``observe``, which it sets: ``"own"``, what an agent feels and sees by itself,
         or ``"shared"``, that of its partners and the decomposition too; either with the blocks that
-        the task brings. Reads ``None`` afterwards.
+        the task brings, and with what hands feel where these carry out the actions. Reads ``None``
+        afterwards.
     bounded
         Whether every feature of the observation has a finite bound, from room, limits, drag and
         horizon. A reading beyond it is clipped, and ``info["observation_clipped"]`` says so.
@@ -156,10 +157,12 @@ class TransportConfig:
         _set(self, "reward", find_reward(self.reward))
         if self.cost is not None:
             _set(self, "cost", find_cost(self.cost))
-        _set(self, "observe", read_observe(self.sensing, self.observe, self.task))
-        _set(self, "sensing", None)
         if not isinstance(self.action, str) or self.action not in ACTIONS:
             raise UnknownName("action", self.action, ACTIONS)
+        by_hands = self.action in BY_HANDS
+        observe = read_observe(self.sensing, self.observe, self.task, by_hands=by_hands)
+        _set(self, "observe", observe)
+        _set(self, "sensing", None)
         _set(self, "pushes", read_pushes(self.pushes))
         _set(self, "bounded", read_flag(self.bounded, "bounded"))
         _set(self, "horizon", whole(self.horizon, "horizon", at_least=1, at_most=LONGEST_HORIZON))
@@ -290,7 +293,18 @@ class TransportConfig:
         if not self.bounded:
             return None
         bodies, scenes = _each(self.body), _each(self.scene)
-        return Bounds.of(bodies, scenes, self.limits(), self.randomise, self.horizon * self.dt)
+        softest = (
+            1.0 if self.action != "impedance" else cast(Hands, self.hands).stiffness_factors[0]
+        )
+        return Bounds.of(
+            bodies,
+            scenes,
+            self.strengths(),
+            self.randomise,
+            self.horizon * self.dt,
+            dt=self.dt,
+            softest=softest,
+        )
 
     def _read_team(self) -> None:
         """Read what depends on the number of agents."""
@@ -319,6 +333,7 @@ class TransportConfig:
                 self.dt,
                 self.substeps,
             )
+        check_senses(self.hands, self.observe, reward=self.terms, cost=self.costs)
         read_agents(self.driven, "partner_agents of the task", count)
         check_partner(self.partner, self.partner_agents, self.driven, count)
         check_task(self.task, bodies, scenes)

@@ -1,10 +1,13 @@
 """Checks of hands against the rest of a configuration: action, ranges and substeps."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from coopenv.arrays import FloatArray, Range
 from coopenv.errors import InvalidInput
+from coopenv.observation import Entry
+from coopenv.observation.observation import find_block
 from coopenv.physics.body import Body
 from coopenv.physics.hands import (
     DAMPING,
@@ -34,7 +37,7 @@ def hands_for(action: str, hands: Hands | None, ranges: Ranges | None) -> Hands 
     """
     if action in BY_HANDS:
         return Hands() if hands is None else hands
-    wanted = " or ".join(f"action={name!r}" for name in BY_HANDS)
+    wanted = _wanted()
     if hands is not None:
         raise InvalidInput(
             f"hands must come with {wanted}, got action={action!r}; pass one of them, or hands=None"
@@ -46,6 +49,33 @@ def hands_for(action: str, hands: Hands | None, ranges: Ranges | None) -> Hands 
                 "them, or drop the range"
             )
     return None
+
+
+def check_senses(
+    hands: Hands | None, observe: Iterable[Entry], **sums: Mapping[str, Any] | None
+) -> None:
+    """Raise `InvalidInput` where something tells of hands, and there are none.
+
+    That are blocks of ``observe``, and terms of the ``sums`` by the names of their keywords, which
+    say ``needs_hands``.
+    """
+    if hands is not None:
+        return
+    wanting = [("observe", each.name) for each in map(find_block, observe) if each.needs_hands]
+    for keyword, terms in sums.items():
+        for name, term in (terms or {}).items():
+            if getattr(term, "needs_hands", False):
+                wanting.append((keyword, name))
+    for keyword, name in wanting:
+        raise InvalidInput(
+            f"{keyword} {name!r} must come with {_wanted()}, as it tells of hands; pass one of "
+            "them, or leave it out"
+        )
+
+
+def _wanted() -> str:
+    """The actions that hands carry out, for errors."""
+    return " or ".join(f"action={name!r}" for name in BY_HANDS)
 
 
 def check_integrable(

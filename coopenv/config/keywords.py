@@ -10,7 +10,14 @@ import numpy as np
 from coopenv.arrays import LARGEST, stated_array, whole
 from coopenv.config.json_form import revived
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.observation import BLOCKS, DEFAULT_BLOCKS, SENSING, Entry, find_blocks
+from coopenv.observation import (
+    BLOCKS,
+    DEFAULT_BLOCKS,
+    SENSING,
+    Entry,
+    find_blocks,
+    sensed,
+)
 from coopenv.observation.block import Block
 from coopenv.observation.sensor import Sensor
 from coopenv.partner import Partner, named_partner
@@ -106,8 +113,12 @@ def _described_task(value: Mapping[str, Any], kind: type[Task]) -> Task:
     return built(value, "task", exact[0] if exact and kind not in exact else kind)
 
 
-def read_observe(sensing: str | None, observe: Any, task: Task) -> tuple[Entry, ...]:
+def read_observe(
+    sensing: str | None, observe: Any, task: Task, *, by_hands: bool = False
+) -> tuple[Entry, ...]:
     """The blocks that ``sensing`` and the task stand for, if it is given, else ``observe``.
+
+    ``by_hands``: where these carry out the actions, ``sensing`` brings what they feel too.
 
     Where a name is that of one of the task's own blocks, the block itself takes its place, and so
     it does for that block of a task with other numbers; a block that is one of `BLOCKS` becomes its
@@ -117,7 +128,7 @@ def read_observe(sensing: str | None, observe: Any, task: Task) -> tuple[Entry, 
     if own and isinstance(observe, Sequence) and not isinstance(observe, str):
         observe = tuple(_of_task(entry, own) for entry in observe)
     if sensing is not None:
-        observe = _sensed(sensing, observe, tuple(task.blocks))
+        observe = _sensed(sensing, observe, tuple(task.blocks), by_hands)
     return tuple(_by_name(entry, own) for entry in find_blocks(observe))
 
 
@@ -130,14 +141,17 @@ def _by_name(entry: Entry, own: Mapping[str, Block]) -> Any:
     return entry
 
 
-def _sensed(sensing: Any, observe: Any, own: tuple[Block, ...]) -> tuple[Any, ...]:
+def _sensed(sensing: Any, observe: Any, own: tuple[Block, ...], by_hands: bool) -> tuple[Any, ...]:
     """The blocks that the word ``sensing`` stands for, with the task's ``own``."""
     if not isinstance(sensing, str) or sensing not in SENSING:
         raise UnknownName("sensing", sensing, SENSING)
-    sets = (DEFAULT_BLOCKS, *SENSING.values())
+    sets = (
+        DEFAULT_BLOCKS,
+        *(sensed(w, by_hands=hands) for w in SENSING for hands in (False, True)),
+    )
     if observe not in (*sets, *((*names, *own) for names in sets)):  # else nobody chose it by hand
         _check_one_sight({"sensing": sensing, "observe": observe})
-    return (*SENSING[sensing], *own)
+    return (*sensed(sensing, by_hands=by_hands), *own)
 
 
 def _check_one_sight(given: Mapping[str, Any]) -> None:

@@ -5,7 +5,9 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.geometry.frames import rotated_back
 from coopenv.observation.block import Block, EachOther
+from coopenv.observation.energy import ENERGY
 from coopenv.observation.ranges import ranges
+from coopenv.observation.senses import SENSES
 from coopenv.observation.view import VIEW, VIEW_PARTS
 from coopenv.transition import Transition
 
@@ -73,6 +75,8 @@ BLOCKS: dict[str, Block] = {
         ),
         ranges(),
         ranges(whose="partners"),
+        *SENSES,
+        *ENERGY,
     )
 }
 
@@ -90,3 +94,15 @@ SENSING: dict[str, tuple[str, ...]] = {  # the words for it that `TransportConfi
         "relative_cost",
     ),
 }
+FELT = tuple(block.name for block in SENSES)  # what `sensed` adds where hands can feel
+
+
+def sensed(word: str, *, by_hands: bool) -> tuple[str, ...]:
+    """The blocks that a word of `SENSING` stands for; ``by_hands``: where these act, with `FELT`.
+
+    Elsewhere the words stand for what they always did, so that what was trained or recorded there
+    fits: a wrench that is held is felt as it is given, and the grip's motion follows from the
+    object's.
+    """
+    own, rest = SENSING[word][: len(_OWN)], SENSING[word][len(_OWN) :]
+    return (*own, *FELT, *rest) if by_hands else SENSING[word]

@@ -15,12 +15,11 @@ from coopenv.errors import InvalidInput
 from coopenv.observation.block import Block
 from coopenv.observation.blocks import BLOCKS
 from coopenv.physics.body import Body
+from coopenv.physics.hands import STIFFNESS, TORQUE_STIFFNESS
 from coopenv.physics.scene import Scene
 from coopenv.randomisation import Ranges, Variations
 
 BEYOND = 1e-6  # of a feature's range: what is beyond its bound by less is rounding, and not told
-
-_OWN_WRENCH = "own_wrench"
 
 
 class Bounds:
@@ -32,11 +31,15 @@ class Bounds:
         All that may be carried; of ranges, the lowest and the highest.
     scenes
         Where.
-    limits
+    strengths
         ``(team, agent, 2)``: force [N] and torque [N·m] that an action of 1 stands for, of every
-        team there may be.
+        team there may be; or ``(team, agent, 8)``, with their `coopenv.Hands.table`.
     duration
         Of an episode [s].
+    dt
+        Control step [s].
+    softest
+        What an action can multiply the stiffness of hands by, at least.
     """
 
     @classmethod
@@ -44,34 +47,40 @@ class Bounds:
         cls,
         bodies: Sequence[Body],
         scenes: Sequence[Scene],
-        limits: FloatArray,
+        strengths: FloatArray,
         ranges: Ranges | None,
         duration: float,
+        *,
+        dt: float,
+        softest: float = 1.0,
     ) -> "Bounds":
-        """Bounds for ``bodies`` and ``limits`` ``(agent, 2)``, or for what ``ranges`` make of them.
+        """Bounds for ``bodies`` and one team's ``strengths``, or for what ``ranges`` make of them.
 
-        Everything else as in the class.
+        ``strengths`` are ``(agent, 2 or 8)``; everything else as in the class.
         """
         if ranges is None:
-            return cls(bodies, scenes, limits[None], duration)
-        ends = [end for body in bodies for end in Variations(ranges, body, limits).ends()]
+            return cls(bodies, scenes, strengths[None], duration, dt, softest)
+        ends = [end for body in bodies for end in Variations(ranges, body, strengths).ends()]
         teams = np.array([team for _, team in ends])
-        return cls([body for body, _ in ends], scenes, teams, duration)
+        return cls([body for body, _ in ends], scenes, teams, duration, dt, softest)
 
     def __init__(
         self,
         bodies: Sequence[Body],
         scenes: Sequence[Scene],
-        limits: FloatArray,
+        strengths: FloatArray,
         duration: float,
+        dt: float,
+        softest: float = 1.0,
     ):
+        limits = strengths[..., :2]
         self._force, self._torque = limits.max(axis=(0, 1)).tolist()
         force = np.sqrt(2) * limits[..., 0].max(axis=0)  # (agent,): both axes at their limit
         grip = np.hypot(*np.abs([body.grips for body in bodies]).max(axis=0).T)  # (agent,)
         torque = limits[..., 1].max(axis=0) + grip * force
         self._bodies, self._grip = bodies, float(grip.max())
-        weight = max(body.mass for body in bodies) * max(hypot(*s.gravity) for s in scenes)  # [N]
-        most = float(force.sum()) + weight
+        gravity = max(hypot(*scene.gravity) for scene in scenes)  # [m/s²]
+        most = float(force.sum()) + max(body.mass for body in bodies) * gravity
         speed, spin = _fastest(bodies, most, float(torque.sum()), duration)
         self.by_unit: Mapping[str, float] = {
             "1": 1.0,
@@ -80,7 +89,19 @@ class Bounds:
             "rad/s": spin,
             "N": float(force.max()),
             "N·m": self._torque,
+            "m/s²": min(2 * (speed + self._grip * spin) / dt + gravity, LARGEST),
+            "W": _passed_on(bodies, float(force.sum()), float(torque.sum()), speed, spin),
         }
+        wrench = [self._force, self._force, self._torque]  # along the axes that are limited
+        at_grip = min(speed + self._grip * spin, LARGEST)
+        self._by_block: dict[str, list[float]] = {
+            "own_wrench": wrench,
+            "felt_wrench": wrench,
+            "own_motion": [at_grip, at_grip, spin],
+        }
+        if strengths.shape[-1] > 2:
+            way, turn, energy = _stretched(strengths, softest)
+            self._by_block |= {"stretch": [way, way, turn], "stored_energy": [energy]}
 
     def ends(self, block: Block, num_agents: int) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest of every feature of a block, ``(feature,)`` each, finite.
@@ -106,8 +127,8 @@ class Bounds:
 
     def _magnitudes(self, block: Block, num_agents: int) -> FloatArray:
         """The largest magnitude of each feature, by its unit."""
-        if block.name == _OWN_WRENCH and block.read is None:  # along the axes that are limited
-            return np.array([self._force, self._force, self._torque])
+        if block.name in self._by_block and block.read is BLOCKS[block.name].read:
+            return np.array(self._by_block[block.name])
         units = block.unit.split(", ")
         unknown = [unit for unit in units if unit not in self.by_unit]
         if unknown:
@@ -127,6 +148,37 @@ class Bounds:
         other = [self._grip, self._grip, *limits] * (num_agents - 1)
         signs = [0.0] * 6 + [1.0, 0.0, 0.0] + [1.0, 1.0, 0.0, 0.0] * (num_agents - 1)
         return np.array([*most, self._grip, *limits, *other]), np.array(signs)
+
+
+def _stretched(strengths: FloatArray, softest: float) -> tuple[float, float, float]:
+    """How far hands [m, rad] are stretched at most, on their leash, and what they store then [J].
+
+    A hand without torque stiffness has no angle to its reference: any bound will do.
+    """
+    force, torque = strengths[..., :2].max(axis=0).T  # (agent,) each
+    stiffness, turning = (
+        softest * strengths[..., [2 + STIFFNESS, 2 + TORQUE_STIFFNESS]].min(axis=0).T
+    )
+    turns = turning > 0
+    way = force / stiffness
+    turn = np.where(turns, torque / np.where(turns, turning, 1.0), np.pi)
+    energy = (force * way + np.where(turns, torque * turn, 0.0)) / 2
+    return tuple(min(float(each.max()), LARGEST) for each in (way, turn, energy))  # pyright: ignore[reportReturnType]
+
+
+def _passed_on(
+    bodies: Sequence[Body], force: float, torque: float, speed: float, spin: float
+) -> float:
+    """Power [W] that no agents pass on who together give these forces and torques at most.
+
+    The mean twist of a step is that of its path, in which the parting of an overlap may be: a point
+    of the body is moved by no more than it can have come in.
+    """
+    far = max(hypot(*point) for body in bodies for point in body.outline)
+    least = min(((body.inertia or 0.0) / body.mass) ** 0.5 for body in bodies)  # radius of gyration
+    parted = speed + far * spin
+    most = force * (1.5 * speed + parted) + torque * (spin + parted / (2 * least))
+    return min(most / 2, LARGEST)
 
 
 def _fastest(

@@ -181,15 +181,36 @@ def _norm(x, y, z):
     return sqrt(x * x + y * y + z * z)
 
 
-@compiled
+@inlined
 def _cost(wrench, i, grips, w, induced):
     """Summand i of the cost (eq. 17)."""
+    if wrench.shape[1] == 3:  # to the same bits, but where squares underflow
+        fx, fy, tz = wrench[i, 0], wrench[i, 1], wrench[i, 2]
+        cost = (1.0 - w) * sqrt(fx * fx + fy * fy) + w * abs(tz)
+        if induced > 0.0:
+            moment = grips[i, 0] * fy - grips[i, 1] * fx
+            cost += w * abs(moment)
+        return cost
     fx, fy, fz, tx, ty, tz = _wrench(wrench, i)
     cost = (1.0 - w) * _norm(fx, fy, fz) + w * _norm(tx, ty, tz)
     if induced > 0.0:
         mx, my, mz = _moment(grips, i, fx, fy, fz)
         cost += w * _norm(mx, my, mz)
     return cost
+
+
+@inlined
+def _internal(applied, manipulation, grips, i):
+    """‖f_I,i‖ and ‖r_i × f_I,i + t_I,i‖ (eq. 28)."""
+    if applied.shape[1] == 3:
+        fx, fy = applied[i, 0] - manipulation[i, 0], applied[i, 1] - manipulation[i, 1]
+        torque = grips[i, 0] * fy - grips[i, 1] * fx + applied[i, 2] - manipulation[i, 2]
+        return sqrt(fx * fx + fy * fy), abs(torque)
+    ax, ay, az, aa, ab, ac = _wrench(applied, i)
+    mx, my, mz, ma, mb, mc = _wrench(manipulation, i)
+    fx, fy, fz = ax - mx, ay - my, az - mz
+    tx, ty, tz = _moment(grips, i, fx, fy, fz)
+    return _norm(fx, fy, fz), _norm(tx + aa - ma, ty + ab - mb, tz + ac - mc)
 
 
 @gufunc(
@@ -206,12 +227,9 @@ def level_kernel(applied, manipulation, grips, parameters, result):
     for i in range(applied.shape[0]):
         applied_cost += _cost(applied, i, grips, w, induced)
         cost += _cost(manipulation, i, grips, w, induced)
-        ax, ay, az, aa, ab, ac = _wrench(applied, i)
-        mx, my, mz, ma, mb, mc = _wrench(manipulation, i)
-        fx, fy, fz = ax - mx, ay - my, az - mz
-        tx, ty, tz = _moment(grips, i, fx, fy, fz)
-        force_level += 0.5 * _norm(fx, fy, fz)
-        torque_level += 0.5 * _norm(tx + aa - ma, ty + ab - mb, tz + ac - mc)
+        force, torque = _internal(applied, manipulation, grips, i)
+        force_level += 0.5 * force
+        torque_level += 0.5 * torque
     wasted = applied_cost - cost
     relative = wasted / max(applied_cost, TINY)
     plausible = parameters[PLAUSIBLE] > 0.0
@@ -249,6 +267,42 @@ def _at_centre(applied, grips, i):
 @inlined
 def _share(applied, grips, force_share, torque_share):
     """Write each effector's share of the resultant force and torque (eq. 25)."""
+    if applied.shape[1] == 3:
+        force, forces, torque, torques = _parts_in_plane(applied, grips, force_share, torque_share)
+    else:
+        force, forces, torque, torques = _parts_in_space(applied, grips, force_share, torque_share)
+    _normalise(force_share, force, forces)
+    _normalise(torque_share, torque, torques)
+
+
+@inlined
+def _parts_in_plane(applied, grips, along_force, along_torque):
+    """`_parts_in_space` without the zeros, to the same bits but where squares underflow."""
+    sfx, sfy, st, forces, torques = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(applied.shape[0]):
+        fx, fy, torque = applied[i, 0], applied[i, 1], _torque_in_plane(applied, grips, i)
+        sfx, sfy, st = sfx + fx, sfy + fy, st + torque
+        forces += sqrt(fx * fx + fy * fy)
+        torques += abs(torque)
+    size, turning = sqrt(sfx * sfx + sfy * sfy), abs(st)
+    for i in range(applied.shape[0]):
+        along_force[i] = (applied[i, 0] * sfx + applied[i, 1] * sfy) / max(size, TINY)
+        along_torque[i] = _torque_in_plane(applied, grips, i) * st / max(turning, TINY)
+    return size, forces, turning, torques
+
+
+@inlined
+def _torque_in_plane(applied, grips, i):
+    """Torque at the centre of mass of effector i (eq. 4)."""
+    return grips[i, 0] * applied[i, 1] - grips[i, 1] * applied[i, 0] + applied[i, 2]
+
+
+@inlined
+def _parts_in_space(applied, grips, along_force, along_torque):
+    """Write what each effector gives along the resultants, f_iᵀf_o / ‖f_o‖ and torques alike.
+
+    Returns ‖f_o‖, Σ‖f_i‖, and likewise of torques.
+    """
     sfx, sfy, sfz, stx, sty, stz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     forces, torques = 0.0, 0.0
     for i in range(applied.shape[0]):
@@ -260,10 +314,9 @@ def _share(applied, grips, force_share, torque_share):
     force, torque = _norm(sfx, sfy, sfz), _norm(stx, sty, stz)
     for i in range(applied.shape[0]):
         fx, fy, fz, tx, ty, tz = _at_centre(applied, grips, i)
-        force_share[i] = (fx * sfx + fy * sfy + fz * sfz) / max(force, TINY)
-        torque_share[i] = (tx * stx + ty * sty + tz * stz) / max(torque, TINY)
-    _normalise(force_share, force, forces)
-    _normalise(torque_share, torque, torques)
+        along_force[i] = (fx * sfx + fy * sfy + fz * sfz) / max(force, TINY)
+        along_torque[i] = (tx * stx + ty * sty + tz * stz) / max(torque, TINY)
+    return force, forces, torque, torques
 
 
 @gufunc(
@@ -289,26 +342,39 @@ def share_or_even_kernel(applied, grips, force_share, force_defined, torque_shar
         torque_share[i] = torque_share[i] if torque_defined[0] else even
 
 
+@inlined
+def power_of(applied, grips, i, twist):
+    """Power of effector i's force, and of its torque at the centre of mass (eqs. 26-27)."""
+    if applied.shape[1] == 3:  # without the zeros of the third dimension
+        linear = applied[i, 0] * twist[0] + applied[i, 1] * twist[1]
+        return linear, _torque_in_plane(applied, grips, i) * twist[2]
+    fx, fy, fz, tx, ty, tz = _at_centre(applied, grips, i)
+    linear = fx * twist[0] + fy * twist[1] + fz * twist[2]
+    return linear, tx * twist[3] + ty * twist[4] + tz * twist[5]
+
+
+@inlined
+def share_power(power):
+    """Turn powers into shares, NaN where undefined; returns what passes between effectors [W]."""
+    net, magnitude = 0.0, 0.0
+    for i in range(power.shape[0]):
+        net += power[i]
+        magnitude += abs(power[i])
+    for i in range(power.shape[0]):
+        power[i] = -power[i] if net < 0.0 else power[i]
+    _normalise(power, abs(net), magnitude)
+    return 0.5 * (magnitude - abs(net))
+
+
 @gufunc(
     "(n,k),(n,d),(k)->(n),(n),(n),()",
     "void(float64[:,:], float64[:,:], float64[:], float64[:], float64[:], float64[:], float64[:])",
 )
 def energy_share_kernel(applied, grips, twist, total, linear, angular, internal_power):
     """Write each effector's share of the power and what passes between them (eqs. 26-27)."""
-    spatial = applied.shape[1] == 6
     for i in range(applied.shape[0]):
-        fx, fy, fz, tx, ty, tz = _at_centre(applied, grips, i)
-        linear[i] = fx * twist[0] + fy * twist[1] + (fz * twist[2] if spatial else 0.0)
-        angular[i] = tz * twist[2]
-        if spatial:
-            angular[i] = tx * twist[3] + ty * twist[4] + tz * twist[5]
+        linear[i], angular[i] = power_of(applied, grips, i, twist)
         total[i] = linear[i] + angular[i]
-    for power in (linear, angular, total):  # total last: what passes between them is its
-        net, magnitude = 0.0, 0.0
-        for i in range(applied.shape[0]):
-            net += power[i]
-            magnitude += abs(power[i])
-        internal_power[0] = 0.5 * (magnitude - abs(net))
-        for i in range(applied.shape[0]):
-            power[i] = -power[i] if net < 0.0 else power[i]
-        _normalise(power, abs(net), magnitude)
+    share_power(linear)
+    share_power(angular)
+    internal_power[0] = share_power(total)

@@ -31,6 +31,7 @@ from coopenv.agents import partners
 from coopenv.agents.controllers import Gains
 from coopenv.observation import ranges
 from coopenv.wrench import METHODS, Settings
+from tests.helpers import BLIND_TO_HANDS
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False) | st.integers(-9, 9)
 SIZES = st.floats(1e-6, 1e3)
@@ -55,11 +56,13 @@ SETTINGS = st.none() | st.builds(
     torque_weight=st.floats(0.01, 0.99),
     include_induced=st.booleans(),
 )
+SCALED = ("InternalPower",)
 WEIGHTED = ("Success", "TimeCost", "ActionRate", "Contact", "TrackingError")
 SOLVED = ("InternalForce", "InternalTorque", "RelativeCost", "WastedCost")
 TERMS = st.one_of(
     *(st.builds(getattr(rewards, name), weight=NUMBERS) for name in WEIGHTED),
     *(st.builds(getattr(rewards, name), weight=NUMBERS, settings=SETTINGS) for name in SOLVED),
+    *(st.builds(getattr(rewards, name), weight=NUMBERS, scale=SIZES) for name in SCALED),
     st.builds(rewards.Effort, weight=NUMBERS, torque_weight=NUMBERS),
     st.builds(rewards.Progress, weight=NUMBERS, discount=st.floats(0.01, 1.0)),
     st.builds(
@@ -125,7 +128,8 @@ OWN = st.builds(
     low=st.just(-math.inf) | NUMBERS | st.lists(NUMBERS, min_size=4, max_size=4),
     needs_told=st.sampled_from([(), (0, 0, 1, 1)]),
 )
-PLAIN = st.sampled_from([*BLOCKS, *BLOCKS.values()]) | RANGES | OWN
+KNOWN = [*BLIND_TO_HANDS, *map(BLOCKS.get, BLIND_TO_HANDS)]
+PLAIN = st.sampled_from(KNOWN) | RANGES | OWN
 ENTRIES = PLAIN | st.builds(Sensor, block=PLAIN, noise=SIZES, bias=SIZES, delay=st.integers(0, 4))
 
 

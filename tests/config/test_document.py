@@ -49,6 +49,7 @@ EVERY_TERM = rewards.RewardSum(
         "torque": rewards.InternalTorque(weight=0.02),
         "relative": rewards.RelativeCost(settings=Settings(torque_weight=0.1)),
         "wasted": rewards.WastedCost(scale=7.0),
+        "power": rewards.InternalPower(scale=3.0),
         "share": rewards.LoadShare(wanted=(0.25, 0.75), of="torque", scale=None),
         "rate": rewards.ActionRate(),
         "contact": rewards.Contact(weight=0.1),
@@ -96,6 +97,8 @@ CASES: dict[str, dict[str, Any]] = {
         "action": "impedance",
         "hands": Hands(stiffness=(80, 120.5), turn_rate=2, damping_factors=(0.5, 1)),
         "randomise": Ranges(stiffness=(50, 100), damping=(0, 9), logarithmic=("stiffness",)),
+        "observe": ("stretch", Sensor("felt_wrench", noise=0.1, delay=2), BLOCKS["stored_energy"]),
+        "cost": {"stretched": rewards.StoredEnergy(scale=0.3)},
     },
     "actuators": {
         "actuators": Actuators(delay=(1, 0), time_constant=0.1, rate_limit=(None, 4)),

@@ -10,7 +10,6 @@ from gymnasium.spaces import Box as BoxSpace
 from pettingzoo.test import parallel_api_test
 
 from coopenv import (
-    BLOCKS,
     Block,
     Body,
     Ranges,
@@ -24,7 +23,7 @@ from coopenv import (
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
 from coopenv.observation.bounds import Bounds
-from tests.helpers import ALONG, IDS, NEVER, OPEN_ROOM, TRIO, actions
+from tests.helpers import ALONG, BLIND_TO_HANDS, IDS, NEVER, OPEN_ROOM, TRIO, actions
 
 EVERYTHING = {
     "coopenv/BeamDoorway-v0": ("gap",),
@@ -36,7 +35,7 @@ EVERYTHING = {
 
 @pytest.mark.parametrize("view", IDS)
 def test_every_feature_has_ends_and_nothing_else_changes(view):
-    blocks = (*BLOCKS, *EVERYTHING.get(view, ()))
+    blocks = (*BLIND_TO_HANDS, *EVERYTHING.get(view, ()))
     loose, tight = (
         Transport(num_worlds=3, config=find_config(view, {"observe": blocks, "bounded": bounded}))
         for bounded in (False, True)
@@ -99,7 +98,7 @@ def test_nobody_is_faster_than_the_bound_and_it_is_not_far(body):
 
 def test_speeds_are_bounded_by_the_box_round_the_ellipse_in_which_energy_grows():
     body, limits = Body(linear_drag=4.0, angular_drag=0.5), np.array([[10.0, 5.0], [6.0, 2.0]])
-    found = Bounds.of((body,), (Scene(),), limits, None, 1e9).by_unit
+    found = Bounds.of((body,), (Scene(),), limits, None, 1e9, dt=0.05).by_unit
     forces = np.sqrt(2) * limits[:, 0]
     force, torque = forces.sum(), (limits[:, 1] + 0.9 * forces).sum()
     drag, spin_drag = body.linear_drag, body.angular_drag
@@ -113,7 +112,9 @@ def test_speeds_are_bounded_by_the_box_round_the_ellipse_in_which_energy_grows()
 
 
 def test_what_is_drawn_stays_within_the_bounds():
-    core = Transport(num_worlds=50, bounded=True, randomise=ALONG, observe=tuple(BLOCKS), body=TRIO)
+    core = Transport(
+        num_worlds=50, bounded=True, randomise=ALONG, observe=BLIND_TO_HANDS, body=TRIO
+    )
     seen, info = core.reset(seed=0)
     for action in actions(1, 20, 50, 3, 3):
         assert not info["observation_clipped"].any()
@@ -128,7 +129,8 @@ def test_where_limits_are_drawn_the_bounds_are_those_of_the_largest(name, most):
     span: dict[str, Any] = {name: (0.5, most)}
     given: tuple[dict[str, Any], ...] = ({"randomise": Ranges(**span)}, {name: most})
     drawn, fixed = (
-        Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation for keywords in given
+        Transport(bounded=True, observe=BLIND_TO_HANDS, **keywords).observation
+        for keywords in given
     )
     np.testing.assert_allclose(drawn.high, fixed.high, rtol=1e-6)
     np.testing.assert_allclose(drawn.low, fixed.low, rtol=1e-6)

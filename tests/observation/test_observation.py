@@ -6,9 +6,9 @@ import pytest
 from coopenv import BLOCKS, Block, Body, Transport
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, SENSING, Observation
-from tests.helpers import OPEN_ROOM, QUINTET, TRIO, actions
+from tests.helpers import BLIND_TO_HANDS, OPEN_ROOM, QUINTET, TRIO, actions
 
-ALL = tuple(BLOCKS)
+ALL = BLIND_TO_HANDS
 RANGES = ("obstacles", "partner_obstacles")  # test_ranges.py has what they are
 TEAMS = {"pair": Body(), "three": TRIO, "five": QUINTET, "one": Body(grips=((0.4, 0.1),))}
 
@@ -93,8 +93,12 @@ def test_every_block_is_what_it_says(team):
         "body": body_seen(core),
         "time": np.full((4, count, 1), 1 - 7 / core.horizon),
         **seen,
+        "felt_wrench": applied[:, :, 0],
+        "energy_share": transition.power.share[..., None],
+        "internal_power": transition.power.internal[:, None, None].repeat(count, 1),
     }
-    assert set(wanted) == set(BLOCKS)
+    elsewhere = {"own_motion", "acceleration"}  # test_senses.py
+    assert set(wanted) | elsewhere == set(BLIND_TO_HANDS)
     for name, values in wanted.items():
         got = obs[..., core.observation.blocks[name]]
         np.testing.assert_allclose(got, values, rtol=1e-6, atol=1e-6, err_msg=name)
@@ -215,7 +219,8 @@ def test_a_block_that_reads_another_shape_than_it_says_is_refused():
 
 def test_an_unknown_block_lists_the_known_ones():
     with pytest.raises(
-        UnknownName, match=r"got 'partner'; .*known: body, goal, known, load_share, obstacles, own_"
+        UnknownName,
+        match=r"got 'partner'; .*known: acceleration, body, energy_share, felt_wrench, goal",
     ):
         Observation(["partner"], 2)
 

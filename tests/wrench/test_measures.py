@@ -5,6 +5,7 @@ import pytest
 
 from coopenv import wrench
 from coopenv.errors import InvalidInput
+from coopenv.wrench.measures import level_kernel, level_parameters
 
 BEAM = [[-0.9, 0.0], [0.9, 0.0]]
 
@@ -214,3 +215,27 @@ def test_one_wrench_may_meet_many_twists():
     np.testing.assert_allclose(share.angular[1], [0.0, 1.0])
     np.testing.assert_array_equal(np.isnan(share.total).all(axis=-1), [False, False, True])
     np.testing.assert_allclose(share.internal_power, [0.0, 0.9, 0.0])
+
+
+def test_measures_in_the_plane_are_to_the_bit_those_of_the_same_wrenches_in_space():
+    rng = np.random.default_rng(8)
+    planar, grips = rng.normal(size=(200, 3, 3)), rng.normal(size=(200, 3, 2))
+    planar[:20, 1:] = -planar[:20, :1] / 2  # no resultant force
+    twist = rng.normal(size=(200, 3))
+    spatial, levers = np.zeros((200, 3, 6)), np.zeros((200, 3, 3))
+    spatial[..., :2], spatial[..., 5], levers[..., :2] = planar[..., :2], planar[..., 2], grips
+    motion = np.zeros((200, 6))
+    motion[:, :2], motion[:, 5] = twist[:, :2], twist[:, 2]
+    pairs = (
+        (wrench.load_share(planar, grips), wrench.load_share(spatial, levers)),
+        (wrench.energy_share(planar, grips, twist), wrench.energy_share(spatial, levers, motion)),
+    )
+    for in_plane, in_space in pairs:
+        for one, other in zip(in_plane, in_space, strict=True):
+            np.testing.assert_array_equal(one, other)
+    assert np.isnan(pairs[0][0].force).sum() == 60
+    for induced in (False, True):
+        told = level_parameters(0.3, induced, False)
+        in_plane = level_kernel(planar, planar[::-1].copy(), grips, told)
+        in_space = level_kernel(spatial, spatial[::-1].copy(), levers, told)
+        np.testing.assert_array_equal(in_plane, in_space)

@@ -18,6 +18,7 @@ TERMS = {
     "relative": rewards.RelativeCost(),
     "other_relative": rewards.RelativeCost(settings=Settings(method="moore_penrose")),
     "wasted": rewards.WastedCost(),
+    "power": rewards.InternalPower(),
     "force_share": rewards.LoadShare(),
     "torque_share": rewards.LoadShare(of="torque", scale=None),
     "rate": rewards.ActionRate(),

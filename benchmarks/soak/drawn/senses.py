@@ -12,7 +12,8 @@ def any_senses(rng: np.random.Generator, env: str, config: TransportConfig) -> d
     """Senses by their word, or some of all blocks, each perfect or not."""
     if rng.random() < 0.2:
         return {"sensing": str(rng.choice(["own", "shared"]))}
-    known = [*BLOCKS.values(), *config.task.blocks]
+    felt = [each for each in BLOCKS.values() if config.hands is not None or not each.needs_hands]
+    known = [*felt, *config.task.blocks]
     some = rng.permutation(len(known))[: rng.integers(1, len(known) + 1)]
     return {"observe": tuple(_entry(rng, known[k]) for k in some)}
 

@@ -1,0 +1,47 @@
+"""Power of a step: the part of it that each agent supplies, and what passes between agents."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from coopenv.arrays import BoolArray, FloatArray
+from coopenv.compiled import compiled
+from coopenv.geometry.displacement import mean_twist
+from coopenv.wrench.measures import power_of, share_power
+
+
+class Power(NamedTuple):
+    """Power of the agents over a control step: of the mean wrench at the mean twist."""
+
+    twist: FloatArray  # (world, 3): see `coopenv.geometry.displacement.mean_twist`
+    share: FloatArray  # (world, agent): β (eq. 26), dimensionless; 1/n where undefined
+    defined: BoolArray  # (world,): whether there is a power to share
+    internal: FloatArray  # (world,): Ė_I = ½(Σ|Ė_i| − |ΣĖ_i|) [W]
+
+
+@compiled
+def power_over(applied, grips, pose, twist, next_pose, next_twist, dt):
+    """The fields of `Power`, in order.
+
+    Parameters
+    ----------
+    applied, grips
+        ``(world, agent, 3)`` and ``(world, agent, 2)``, object frame [N, N·m] and [m].
+    pose, twist, next_pose, next_twist, dt
+        As `coopenv.geometry.displacement.mean_twist`, ``(world, 3)``.
+    """
+    num_worlds, num_agents = applied.shape[:2]
+    mean, share = np.empty((num_worlds, 3)), np.empty((num_worlds, num_agents))
+    defined, internal = np.empty(num_worlds, dtype=np.bool_), np.empty(num_worlds)
+    for k in range(num_worlds):
+        mean[k, 0], mean[k, 1], mean[k, 2] = mean_twist(
+            pose[k], twist[k], next_pose[k], next_twist[k], dt
+        )
+        for i in range(num_agents):
+            linear, angular = power_of(applied[k], grips[k], i, mean[k])
+            share[k, i] = linear + angular
+        internal[k] = max(share_power(share[k]), 0.0)  # below by rounding
+        defined[k] = not np.isnan(share[k, 0])
+        if not defined[k]:
+            share[k, :] = 1 / num_agents
+    return mean, share, defined, internal
