@@ -58,18 +58,10 @@ def check_integrable(
 ) -> None:
     """Raise `InvalidInput` where substeps are too few for the stiffest hands on the lightest body.
 
-    Also where the body rubs on its ground, of which springs and dampers know nothing.
-
     ``strengths`` ``(agent, 8)`` are those of the team; of ``ranges``, the ends that may need most
     substeps are looked at: the stiffest hands and the lightest body, longest and shortest, with its
     grips as far out as may be drawn.
     """
-    rubbing = [body.ground_friction for body in bodies if body.ground_friction > 0]
-    if rubbing:
-        raise InvalidInput(
-            f"body.ground_friction must be 0 where hands hold the body, got {rubbing[0]:g}; choose "
-            "action='wrench' or 'force' there"
-        )
     needed = 0
     for body in bodies:
         for held, table in _hardest(body, strengths, ranges):

@@ -29,27 +29,36 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.compiled import compiled, inlined
-from coopenv.geometry.frames import rotated, rotated_back
-from coopenv.physics.coefficients import (
-    COAST,
-    DECAY,
-    FALL_PATH,
-    FALL_SPEED,
-    HEAVY,
-    NODE_PATH,
-    PATH_GAIN,
-    SPEED_GAIN,
-    SPIN_COAST,
-    SPIN_DECAY,
-    SPIN_GAIN,
-    TURN_GAIN,
-    WHEELS,
+from coopenv.compiled.lanes.memory import four_at
+from coopenv.compiled.lanes.vectors import LANES
+from coopenv.geometry.frames import rotated_back
+from coopenv.physics.bearing import ROUNDS, borne_on, unborne
+from coopenv.physics.block import (
+    AGENT_FIELDS,
+    BORNE,
+    CHORD,
+    FORCE,
+    MIDDLE,
+    MOVED,
+    POSE,
+    REACHED,
+    REFERENCE,
+    ROLLING,
+    RUBBING,
+    SLIDING,
+    TOTAL,
+    TWIST,
+    WORLD_FIELDS,
+    coast,
+    gather,
+    ground,
 )
-from coopenv.physics.motion import Motion, collect, command_to, roll, supported
-
-_NEWTON, _MOST = 12, 60  # iterations by Newton's method, and at all
-_ROUNDS, _STILL = 12, 1e-12  # solutions beside a contact that bears, and their change [m, rad]
-_CLOSE = 1e-9  # of forces and torques, that in equilibrium are out by so much at most
+from coopenv.physics.coefficients import HEAVY
+from coopenv.physics.collect import collect
+from coopenv.physics.equilibrium import met, rolled
+from coopenv.physics.leash import let_go_on
+from coopenv.physics.motion import Motion, command_to, roll
+from coopenv.physics.sliding import slid
 
 
 class Hold(NamedTuple):
@@ -75,237 +84,93 @@ def hold(rows, table, pose, twist, hands, step, share, command, expected):
     """`coopenv.physics.motion.drive` for bodies that hands hold.
 
     ``hands`` are the fields of a `Hold`, of which references go on by a substep and the mean wrench
-    grows by ``share`` of what is given in it; ``stretch`` and ``felt`` are left with what serves
-    here: what hands would give if the body stood still, and what they give, world frame.
+    grows by ``share`` of what is given in it.
     """
-    velocity, spring, limit, grips, held, reference, base, applied, force, _ = hands
-    rate = 1 / step
-    for k in range(len(rows)):
-        c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
-        draw(k, pose, c, s, spring, limit, grips, reference, base)
-        for i in range(grips.shape[1]):
-            for j in range(3):
-                stiff = spring[k, i, j // 2]
-                slope = stiff / 2 + spring[k, i, 2 + j // 2] * rate
-                base[k, i, j] = stiff * base[k, i, j] + slope * step * velocity[k, i, j]
-                reference[k, i, j] += step * velocity[k, i, j]
-        if table[k, WHEELS]:
-            c, s, chord, free = _rolled(table, k, pose, twist, hands, c, s, rate)
-        else:
-            c, s, chord, free = _pushed(table, k, pose, twist, hands, c, s, rate, expected)
-        for i in range(grips.shape[1]):
-            x, y = rotated_back(c, s, force[k, i, 0], force[k, i, 1])
-            applied[k, i, 0] += share * (chord * x + held[k, i, 0])
-            applied[k, i, 1] += share * (chord * y + held[k, i, 1])
-            applied[k, i, 2] += share * (force[k, i, 2] + held[k, i, 2])
-        command_to(table, k, rows[k], pose, step, free, command, expected)
+    num_agents = hands[3].shape[1]
+    world, agents = np.empty((WORLD_FIELDS, LANES)), np.empty((num_agents, AGENT_FIELDS, LANES))
+    four, each = four_at(world.ctypes.data), four_at(agents.ctypes.data)
+    for first in range(0, len(rows), LANES):
+        count = min(LANES, len(rows) - first)
+        gather(first, count, pose, twist, hands, world, agents)
+        coast(first, count, table, world)
+        let_go_on(each, num_agents, four, step, 1 / step)
+        for kind in range(3):
+            found = 0
+            for k in range(first, first + count):
+                found += ground(table, k) == kind
+            if found == 0:
+                continue
+            _solve(kind, first, count, each, num_agents, four, world, table, expected, step)
+            for at in range(count):
+                k = first + at
+                if ground(table, k) == kind:
+                    free = _moved(kind, table, k, world, at, agents)
+                    _give(k, at, world, agents, hands, share)
+                    command_to(table, k, rows[k], pose, step, free, command, expected)
 
 
 @inlined
-def draw(k, pose, c, s, spring, limit, grips, reference, stretch):
-    """Draw references along that are beyond their leash; writes the stretch, world frame."""
-    for i in range(grips.shape[1]):
-        x, y = rotated(c, s, grips[k, i, 0], grips[k, i, 1])
-        grip_x, grip_y = pose[k, 0] + x, pose[k, 1] + y
-        x, y = reference[k, i, 0] - grip_x, reference[k, i, 1] - grip_y
-        turn = reference[k, i, 2] - pose[k, 2]
-        stiff, most = spring[k, i, 0], limit[k, i, 0]
-        square = stiff * stiff * (x * x + y * y)
-        if stiff == 0.0 or square > most * most:
-            part = 0.0 if stiff == 0.0 else most / np.sqrt(square)
-            x, y = part * x, part * y
-            reference[k, i, 0], reference[k, i, 1] = grip_x + x, grip_y + y
-        stiff, most = spring[k, i, 1], limit[k, i, 1]
-        if stiff == 0.0 or stiff * abs(turn) > most:
-            turn *= 0.0 if stiff == 0.0 else most / (stiff * abs(turn))
-            reference[k, i, 2] = pose[k, 2] + turn
-        stretch[k, i, 0], stretch[k, i, 1], stretch[k, i, 2] = x, y, turn
+def _solve(kind, first, count, each, num_agents, four, world, table, expected, step):
+    """Find what a substep comes to in the worlds of a block with one kind of ground.
 
-
-@inlined
-def _pushed(table, k, pose, twist, hands, start_c, start_s, rate, expected):
-    """A free body's substep: direction in its middle, chord by arc, and what `advance` returns.
-
-    Gravity is met exactly. What the contact that lasts (`coopenv.physics.motion.supported`) bears
-    depends on what hands give, and that on how far it bears the body: solved in turn.
+    What the contact that lasts (`coopenv.physics.motion.lasting_part`) bears depends on what hands
+    give, and that on how far it bears the body: solved in turn.
     """
-    vx, vy, spin = twist[k, 0], twist[k, 1], twist[k, 2]
-    free_x = table[k, COAST] * vx + table[k, FALL_PATH]
-    free_y = table[k, COAST] * vy + table[k, FALL_PATH + 1]
-    free_turn = table[k, SPIN_COAST] * spin
-    gain, grown = table[k, PATH_GAIN], table[k, SPEED_GAIN]
-    borne_x = borne_y = borne_turn = 0.0
     rounds = 0
     while True:
-        c, s, chord, pull = _met(
-            table, k, hands, start_c, start_s, rate,
-            free_x + borne_x, free_y + borne_y, free_turn + borne_turn,
-        )  # fmt: skip
-        x, y = free_x + gain * pull.fx, free_y + gain * pull.fy
-        turn = free_turn + table[k, TURN_GAIN] * pull.torque
-        end_x = table[k, DECAY] * vx + table[k, FALL_SPEED] + grown * pull.fx
-        end_y = table[k, DECAY] * vy + table[k, FALL_SPEED + 1] + grown * pull.fy
-        end_spin = table[k, SPIN_DECAY] * spin + table[k, SPIN_GAIN] * pull.torque
-        moved = (x + borne_x, y + borne_y, turn + borne_turn, end_x, end_y, end_spin)
+        if kind == ROLLING:
+            rolled(each, num_agents, four)
+        elif kind == RUBBING:
+            slid(each, num_agents, four)
+        else:
+            met(each, num_agents, four)
         rounds += 1
-        if rounds == _ROUNDS or not table[k, HEAVY]:
+        changed = False
+        for at in range(count):
+            k = first + at
+            if table[k, HEAVY] and ground(table, k) == kind and rounds < ROUNDS:
+                changed |= borne_on(table, k, at, world, expected, step)
+        if not changed:
             break
-        bare, start = (x, y, turn, end_x, end_y, end_spin), (vx, vy, spin)
-        more_x, more_y, more_turn = supported(table, k, start, expected, bare, 1 / rate)
-        change = abs(more_x - borne_x) + abs(more_y - borne_y) + abs(more_turn - borne_turn)
-        if change <= _STILL:
-            break
-        borne_x, borne_y, borne_turn = more_x, more_y, more_turn
-    return c, s, chord, moved
 
 
 @inlined
-def _met(table, k, hands, start_c, start_s, rate, free_x, free_y, free_turn):
-    """Newton's method for the displacement of a free body that moves ``free`` without hands."""
-    turn_gain = table[k, TURN_GAIN]
-    heavy, slow = 1 / table[k, PATH_GAIN], 1 / turn_gain
-    x, y, turn = free_x, free_y, free_turn
-    attempt = 0
-    while True:
-        attempt += 1
-        c, s, chord = _middle(start_c, start_s, turn / 2)
-        pull = _pull(k, hands, rate, x, y, turn, chord, c, s, attempt <= _NEWTON)
-        fx, fy = pull.fx - heavy * (x - free_x), pull.fy - heavy * (y - free_y)
-        torque = pull.torque - slow * (turn - free_turn)
-        close = abs(fx) + abs(fy) <= _CLOSE * (pull.load + heavy * (abs(x) + abs(y)))
-        close = close and abs(torque) <= _CLOSE * (pull.turning + slow * abs(turn))
-        if close or attempt == _MOST:
-            break
-        dx, dy, dt = _solved(
-            heavy + pull.xx, pull.xy, pull.xt, heavy + pull.yy, pull.yt, slow + pull.tt,
-            fx, fy, torque,
-        )  # fmt: skip
-        x, y, turn = x + dx, y + dy, turn + dt
-    return c, s, chord, pull
+def _moved(kind, table, k, world, at, agents):
+    """Pose change and twist of a world, as `coopenv.physics.motion.advance` returns them.
 
-
-@inlined
-def _rolled(table, k, pose, twist, hands, start_c, start_s, rate):
-    """`_pushed` for a body on wheels; moves references by what the chord leaves of its path."""
-    grips, reference = hands[3], hands[5]
-    speed, _ = rotated_back(start_c, start_s, twist[k, 0], twist[k, 1])
-    free_way, free_turn = table[k, COAST] * speed, table[k, SPIN_COAST] * twist[k, 2]
-    gain = table[k, NODE_PATH] + table[k, NODE_PATH + 1] + table[k, NODE_PATH + 2]
-    heavy, slow = 1 / gain, 1 / table[k, TURN_GAIN]
-    way, turn = free_way, free_turn
-    attempt = 0
-    while True:
-        attempt += 1
-        c, s, chord = _middle(start_c, start_s, turn / 2)
-        ux, uy = chord * c, chord * s  # displacement for a unit of way
-        pull = _pull(k, hands, rate, way * ux, way * uy, turn, chord, c, s, attempt <= _NEWTON)
-        thrust = ux * pull.fx + uy * pull.fy
-        force, torque = thrust - heavy * (way - free_way), pull.torque - slow * (turn - free_turn)
-        close = abs(force) <= _CLOSE * (pull.load + heavy * abs(way))
-        close = close and abs(torque) <= _CLOSE * (pull.turning + slow * abs(turn))
-        if close or attempt == _MOST:
-            break
-        ww = heavy + ux * (ux * pull.xx + uy * pull.xy) + uy * (ux * pull.xy + uy * pull.yy)
-        wt, tt = ux * pull.xt + uy * pull.yt, slow + pull.tt
-        size = ww * tt - wt * wt
-        way, turn = (
-            way + (tt * force - wt * torque) / size,
-            turn + (ww * torque - wt * force) / size,
-        )
-    moved = roll(
-        table,
-        k,
-        Motion(pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2], thrust, 0.0, pull.torque),
-    )
-    for i in range(grips.shape[1]):
-        reference[k, i, 0] += moved[0] - way * ux
-        reference[k, i, 1] += moved[1] - way * uy
-    return c, s, chord, moved
-
-
-class Pull(NamedTuple):
-    """What hands give at a displacement of their body, and how it falls with the displacement."""
-
-    fx: float  # world frame [N]
-    fy: float
-    torque: float  # at the centre of mass [N·m]
-    load: float  # sum of the forces' magnitudes, held ones included [N]
-    turning: float  # likewise of torques [N·m]
-    xx: float  # −∂f/∂displacement, symmetric
-    xy: float
-    xt: float
-    yy: float
-    yt: float
-    tt: float
-
-
-@inlined
-def _pull(k, hands, rate, dx, dy, turn, chord, c, s, newton):
-    """A `Pull` at a displacement of the body; writes each hand's force and torque, world frame.
-
-    Without ``newton``, saturated hands are given the slope from no force to theirs, which bounds
-    the true one from above: steps are shorter then and end everywhere.
+    On wheels, references are moved by what the chord leaves of the path.
     """
-    _, spring, limit, grips, held, _, base, _, force, _ = hands
-    fx = fy = torque = load = turning = 0.0
-    xx = xy = xt = yy = yt = tt = 0.0
-    for i in range(grips.shape[1]):
-        x, y = rotated(c, s, grips[k, i, 0], grips[k, i, 1])
-        x, y = chord * x, chord * y  # lever of the chord
-        slope, most = spring[k, i, 0] / 2 + spring[k, i, 2] * rate, limit[k, i, 0]
-        px, py = base[k, i, 0] - slope * (dx - turn * y), base[k, i, 1] - slope * (dy + turn * x)
-        square = px * px + py * py
-        jx, jy, cross = slope, slope, 0.0
-        if square > most * most:
-            part = 1 / np.sqrt(square)
-            nx, ny = part * px, part * py
-            slope = most * part * slope
-            px, py, jx, jy = most * nx, most * ny, slope, slope
-            if newton:
-                jx, jy, cross = slope * ny * ny, slope * nx * nx, -slope * nx * ny
-        slope, most = spring[k, i, 1] / 2 + spring[k, i, 3] * rate, limit[k, i, 1]
-        pt = base[k, i, 2] - slope * turn
-        if abs(pt) > most:
-            slope = 0.0 if newton else slope * most / abs(pt)
-            pt = most if pt > 0.0 else -most
-        force[k, i, 0], force[k, i, 1], force[k, i, 2] = px, py, pt
-        across, along = cross * x - jx * y, jy * x - cross * y
-        xx, xy, yy = xx + jx, xy + cross, yy + jy
-        xt, yt, tt = xt + across, yt + along, tt + slope - y * across + x * along
-        hx, hy = rotated(c, s, held[k, i, 0], held[k, i, 1])
-        fx, fy = fx + px + chord * hx, fy + py + chord * hy
-        own = x * (py + hy) - y * (px + hx)
-        torque += own + pt + held[k, i, 2]
-        load += abs(px) + abs(py) + abs(hx) + abs(hy)
-        turning += abs(own) + abs(pt) + abs(held[k, i, 2])
-    return Pull(fx, fy, torque, load, turning, xx, xy, xt, yy, yt, tt)
+    if kind == RUBBING:
+        return (
+            world[MOVED, at], world[MOVED + 1, at], world[MOVED + 2, at],
+            world[REACHED, at], world[REACHED + 1, at], world[REACHED + 2, at],
+        )  # fmt: skip
+    fx, fy, torque = world[TOTAL, at], world[TOTAL + 1, at], world[TOTAL + 2, at]
+    if kind == SLIDING:
+        x, y, turn, vx, vy, spin = unborne(table, k, world, at)
+        x, y, turn = x + world[BORNE, at], y + world[BORNE + 1, at], turn + world[BORNE + 2, at]
+        return x, y, turn, vx, vy, spin
+    thrust = world[CHORD, at] * (world[MIDDLE, at] * fx + world[MIDDLE + 1, at] * fy)
+    vx, vy, spin = world[TWIST, at], world[TWIST + 1, at], world[TWIST + 2, at]
+    free = roll(table, k, Motion(world[POSE + 2, at], vx, vy, spin, thrust, 0.0, torque))
+    for i in range(len(agents)):
+        agents[i, REFERENCE, at] += free[0] - world[MOVED, at]
+        agents[i, REFERENCE + 1, at] += free[1] - world[MOVED + 1, at]
+    return free
 
 
 @inlined
-def _middle(c, s, half):
-    """A direction turned on by ``half`` a turn, and chord by arc of the whole turn."""
-    z = half * half
-    if z < 0.06:  # series, to rounding
-        cosine = 1 + z * (-1 / 2 + z * (1 / 24 + z * (-1 / 720 + z * (1 / 40320 - z / 3628800))))
-        chord = 1 + z * (-1 / 6 + z * (1 / 120 + z * (-1 / 5040 + z * (1 / 362880 - z / 39916800))))
-    else:
-        cosine, chord = np.cos(half), np.sin(half) / half
-    sine = chord * half
-    return c * cosine - s * sine, s * cosine + c * sine, chord
-
-
-@inlined
-def _solved(xx, xy, xt, yy, yt, tt, ex, ey, et):
-    """Solution of a symmetric positive definite system of three, by elimination."""
-    inverse = 1 / xx
-    ly, lt = xy * inverse, xt * inverse
-    yy, yt, tt = yy - ly * xy, yt - ly * xt, tt - lt * xt
-    ey, et = ey - ly * ex, et - lt * ex
-    other = 1 / yy
-    low = yt * other
-    dt = (et - low * ey) / (tt - low * yt)
-    dy = (ey - yt * dt) * other
-    return (ex - xy * dy - xt * dt) * inverse, dy, dt
+def _give(k, at, world, agents, hands, share):
+    """Add what hands give in a substep to their mean wrench, and write where references are."""
+    _, _, _, _, held, reference, _, applied, _, _ = hands
+    c, s, chord = world[MIDDLE, at], world[MIDDLE + 1, at], world[CHORD, at]
+    for i in range(len(agents)):
+        x, y = rotated_back(c, s, agents[i, FORCE, at], agents[i, FORCE + 1, at])
+        applied[k, i, 0] += share * (chord * x + held[k, i, 0])
+        applied[k, i, 1] += share * (chord * y + held[k, i, 1])
+        applied[k, i, 2] += share * (agents[i, FORCE + 2, at] + held[k, i, 2])
+        for j in range(3):
+            reference[k, i, j] = agents[i, REFERENCE + j, at]
 
 
 @compiled
@@ -316,28 +181,3 @@ def collect_and_hold(rows, table, rooms, buffers, expected, reached, hands, step
     lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift)
     hold(rows, table, pose, twist, hands, step, share, command, expected)
     return lost
-
-
-@compiled
-def feel(pose, twist, hands):
-    """What hands feel and store at the end of a step: writes stretch, ``felt`` and ``energy``."""
-    velocity, spring, limit, grips, held, reference, stretch, _, felt, energy = hands
-    for k in range(len(pose)):
-        c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
-        draw(k, pose, c, s, spring, limit, grips, reference, stretch)
-        for i in range(grips.shape[1]):
-            x, y, turn = stretch[k, i, 0], stretch[k, i, 1], stretch[k, i, 2]
-            across, along = rotated(c, s, -grips[k, i, 1], grips[k, i, 0])  # a unit of spin
-            vx = velocity[k, i, 0] - twist[k, 0] - twist[k, 2] * across
-            vy = velocity[k, i, 1] - twist[k, 1] - twist[k, 2] * along
-            fx = spring[k, i, 0] * x + spring[k, i, 2] * vx
-            fy = spring[k, i, 0] * y + spring[k, i, 2] * vy
-            size = np.sqrt(fx * fx + fy * fy)
-            part = limit[k, i, 0] / size if size > limit[k, i, 0] else 1.0
-            torque = spring[k, i, 1] * turn + spring[k, i, 3] * (velocity[k, i, 2] - twist[k, 2])
-            torque = min(max(torque, -limit[k, i, 1]), limit[k, i, 1])
-            fx, fy = rotated_back(c, s, part * fx, part * fy)
-            felt[k, i, 0], felt[k, i, 1] = fx + held[k, i, 0], fy + held[k, i, 1]
-            felt[k, i, 2] = torque + held[k, i, 2]
-            energy[k, i] = (spring[k, i, 0] * (x * x + y * y) + spring[k, i, 1] * turn * turn) / 2
-            stretch[k, i, 0], stretch[k, i, 1] = rotated_back(c, s, x, y)

@@ -26,7 +26,7 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import Z
-from coopenv.wrench.structured.lanes.vectors import larger, largest, root, size, splat, total, where
+from coopenv.compiled.lanes.vectors import larger, largest, root, size, splat, total, where
 from coopenv.wrench.structured.tolerances import MULTIPLIER_GROWTH, NEGLIGIBLE, TORQUE_ROUNDING
 
 

@@ -41,7 +41,7 @@ from coopenv.wrench.structured.blocks import (
 )
 from coopenv.wrench.structured.cones import CONE, Z
 from coopenv.wrench.structured.frame import norm3
-from coopenv.wrench.structured.lanes.memory import after
+from coopenv.compiled.lanes.memory import after
 from coopenv.wrench.structured.tolerances import PROOF_ERROR, PROOF_POSITIVE, SUSPECT_SHARE
 
 PROOF = NU_STEP  # row of λ

@@ -13,7 +13,7 @@ from coopenv.wrench.structured.balance import (
 )
 from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chunk, num_chunks
 from coopenv.wrench.structured.bound import leaving, products, saving
-from coopenv.wrench.structured.lanes.vectors import (
+from coopenv.compiled.lanes.vectors import (
     larger,
     largest,
     size,

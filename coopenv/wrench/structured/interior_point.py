@@ -16,7 +16,7 @@ from coopenv.wrench.structured.balance import BALANCE, largest_component, mark_a
 from coopenv.wrench.structured.blocks import ANSWER, CONES, KEPT, G, chunk, num_chunks
 from coopenv.wrench.structured.facial_reduction import fix_immovable
 from coopenv.wrench.structured.feasible import clear, settle
-from coopenv.wrench.structured.lanes.vectors import splat, total
+from coopenv.compiled.lanes.vectors import splat, total
 from coopenv.wrench.structured.newton import correct, predict
 from coopenv.wrench.structured.start import start
 from coopenv.wrench.structured.step import take

@@ -65,8 +65,8 @@ from coopenv.wrench.structured.cones import (
     scale,
     write_corrector,
 )
-from coopenv.wrench.structured.lanes.memory import after
-from coopenv.wrench.structured.lanes.vectors import larger, smaller, smallest, splat, total, where
+from coopenv.compiled.lanes.memory import after
+from coopenv.compiled.lanes.vectors import larger, smaller, smallest, splat, total, where
 from coopenv.wrench.structured.tolerances import LEAST_PIVOT, RAISED_PIVOT
 
 

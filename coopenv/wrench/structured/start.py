@@ -17,7 +17,7 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import DET_S, DET_Z, ERROR_S, ERROR_Z, S, Z
-from coopenv.wrench.structured.lanes.vectors import root, size, splat, total, where
+from coopenv.compiled.lanes.vectors import root, size, splat, total, where
 from coopenv.wrench.structured.tolerances import ROUNDING, START_PRODUCT
 
 

@@ -36,7 +36,7 @@ from coopenv.wrench.structured.cones import (
     refresh,
     renew,
 )
-from coopenv.wrench.structured.lanes.vectors import larger, largest, size, splat, total, where
+from coopenv.compiled.lanes.vectors import larger, largest, size, splat, total, where
 from coopenv.wrench.structured.tolerances import ROUNDING
 
 
