@@ -1,76 +1,123 @@
 """Equilibrium: the displacement of a body in a substep at which hands give what brings it there."""
 
-from coopenv.compiled.kinds import fused
-from coopenv.compiled.lanes.vectors import larger, size, some, where
+from typing import NamedTuple
+
+from coopenv.arrays import FloatArray
+from coopenv.compiled.kinds import fused, fused_inlined
+from coopenv.compiled.lanes.vectors import larger, size, some, splat, where
 from coopenv.physics.block import (
     AGILE,
     BORNE,
     CHORD,
-    COSINE,
     FREE,
     LIGHT,
     MIDDLE,
     MOVED,
-    SINE,
     TOTAL,
 )
 from coopenv.physics.pull import pulled, turned_by
 
-NEWTON, MOST = 12, 60  # iterations by Newton's method, and at all
+MOST = 60  # iterations; see docs/accuracy.md
 CLOSE = 1e-9  # of forces and torques, that in equilibrium are out by so much at most
+_OVERSHOT = 0.5  # of what a step would gain at first, that it may lose at its end
+
+
+class Search(NamedTuple):
+    """Where Newton's method is, and the step that brought it there; lanes each."""
+
+    x: FloatArray  # [m]
+    y: FloatArray
+    turn: FloatArray  # [rad]
+    dx: FloatArray
+    dy: FloatArray
+    dt: FloatArray
+    gain: FloatArray  # that force and torque at the step's beginning promise of it [J]
 
 
 @fused
 def met(agents, num_agents, world):
-    """Newton's method for the displacement of free bodies."""
-    c, s, heavy, slow = world[COSINE], world[SINE], 1.0 / world[LIGHT], 1.0 / world[AGILE]
+    """Newton's method for the displacement of free bodies; how many iterations it took."""
+    heavy, slow = 1.0 / world[LIGHT], 1.0 / world[AGILE]
     free_x, free_y = world[FREE] + world[BORNE], world[FREE + 1] + world[BORNE + 1]
     free_turn = world[FREE + 2] + world[BORNE + 2]
-    x, y, turn = free_x, free_y, free_turn
+    at = search_from(free_x, free_y, free_turn)
     attempt = 0
     while True:
         attempt += 1
-        arc = turned_by(c, s, turn)
-        pull = pulled(agents, num_agents, x, y, arc, attempt <= NEWTON)
-        fx, fy = pull.fx - heavy * (x - free_x), pull.fy - heavy * (y - free_y)
-        torque = pull.torque - slow * (turn - free_turn)
-        out = size(fx) + size(fy) - CLOSE * (pull.load + heavy * (size(x) + size(y)))
-        out = larger(out, size(torque) - CLOSE * (pull.turning + slow * size(turn)))
+        arc = turned_by(world, at.turn)
+        pull = pulled(agents, num_agents, at.x, at.y, arc)
+        fx, fy = pull.fx - heavy * (at.x - free_x), pull.fy - heavy * (at.y - free_y)
+        torque = pull.torque - slow * (at.turn - free_turn)
+        out = size(fx) + size(fy) - CLOSE * (pull.load + heavy * (size(at.x) + size(at.y)))
+        out = larger(out, size(torque) - CLOSE * (pull.turning + slow * size(at.turn)))
         if attempt == MOST or not some(out > 0.0):
             break
-        dx, dy, dt = solved(
-            heavy + pull.xx, pull.xy, pull.xt, heavy + pull.yy, pull.yt, slow + pull.tt,
-            fx, fy, torque,
-        )  # fmt: skip
-        x, y = where(out > 0.0, x + dx, x), where(out > 0.0, y + dy, y)
-        turn = where(out > 0.0, turn + dt, turn)
+        slopes = heavy + pull.xx, pull.xy, pull.xt, heavy + pull.yy, pull.yt, slow + pull.tt + larger(pull.lean, -0.75 * slow)
+        at = searched(at, out, (fx, fy, torque), slopes)
     keep(world, arc, pull)
+    return attempt
 
 
 @fused
 def rolled(agents, num_agents, world):
     """`met` for bodies on wheels, which go along the chord of a circle."""
-    c, s, heavy, slow = world[COSINE], world[SINE], 1.0 / world[LIGHT], 1.0 / world[AGILE]
-    way, turn = world[FREE], world[FREE + 2]
+    heavy, slow = 1.0 / world[LIGHT], 1.0 / world[AGILE]
+    zero = splat(0.0)
+    at = search_from(world[FREE], zero, world[FREE + 2])
     attempt = 0
     while True:
         attempt += 1
-        arc = turned_by(c, s, turn)
+        arc = turned_by(world, at.turn)
         ux, uy = arc.chord * arc.c, arc.chord * arc.s  # displacement for a unit of way
-        pull = pulled(agents, num_agents, way * ux, way * uy, arc, attempt <= NEWTON)
-        force = ux * pull.fx + uy * pull.fy - heavy * (way - world[FREE])
-        torque = pull.torque - slow * (turn - world[FREE + 2])
-        out = size(force) - CLOSE * (pull.load + heavy * size(way))
-        out = larger(out, size(torque) - CLOSE * (pull.turning + slow * size(turn)))
+        pull = pulled(agents, num_agents, at.x * ux, at.x * uy, arc)
+        force = ux * pull.fx + uy * pull.fy - heavy * (at.x - world[FREE])
+        torque = pull.torque - slow * (at.turn - world[FREE + 2])
+        out = size(force) - CLOSE * (pull.load + heavy * size(at.x))
+        out = larger(out, size(torque) - CLOSE * (pull.turning + slow * size(at.turn)))
         if attempt == MOST or not some(out > 0.0):
             break
-        ww = heavy + ux * (ux * pull.xx + uy * pull.xy) + uy * (ux * pull.xy + uy * pull.yy)
-        wt, tt = ux * pull.xt + uy * pull.yt, slow + pull.tt
-        inverse = 1.0 / (ww * tt - wt * wt)
-        way = where(out > 0.0, way + (tt * force - wt * torque) * inverse, way)
-        turn = where(out > 0.0, turn + (ww * torque - wt * force) * inverse, turn)
+        along = heavy + ux * (ux * pull.xx + uy * pull.xy) + uy * (ux * pull.xy + uy * pull.yy)
+        mixed, one = ux * pull.xt + uy * pull.yt, splat(1.0)
+        slopes = along, zero, mixed, one, zero, slow + pull.tt + larger(pull.lean, -0.75 * slow)
+        at = searched(at, out, (force, zero, torque), slopes)
     keep(world, arc, pull)
-    world[MOVED], world[MOVED + 1] = way * ux, way * uy
+    world[MOVED], world[MOVED + 1] = at.x * ux, at.x * uy
+    return attempt
+
+
+@fused_inlined
+def search_from(x, y, turn):
+    """A `Search` that begins."""
+    zero = splat(0.0)
+    return Search(x, y, turn, zero, zero, zero, zero)
+
+
+@fused_inlined
+def searched(at, out, force, slopes):
+    """Go on by a step of Newton's method, or part of the last one back, where ``out`` is positive.
+
+    What hands, inertia and friction give together is, but for the turning of levers, the fall of a
+    convex function; its corners, where hands reach their limits, Newton's method may jump between
+    for ever. So a step at whose end the force points back, by more than a part of what it was
+    ahead at the beginning, is shortened to where the straight line between the two is zero.
+    """
+    fx, fy, torque = force
+    ahead = fx * at.dx + fy * at.dy + torque * at.dt
+    over = ahead < -_OVERSHOT * at.gain
+    part = where(over, at.gain / (at.gain - ahead), splat(1.0))
+    dx, dy, dt = solved(*slopes, fx, fy, torque)
+    gain = fx * dx + fy * dy + torque * dt
+    dx, dy, dt = (
+        where(over, part * at.dx, dx), where(over, part * at.dy, dy), where(over, part * at.dt, dt),
+    )  # fmt: skip
+    less, open_ = part - 1.0, out > 0.0
+    return Search(
+        where(open_, at.x + where(over, less * at.dx, dx), at.x),
+        where(open_, at.y + where(over, less * at.dy, dy), at.y),
+        where(open_, at.turn + where(over, less * at.dt, dt), at.turn),
+        dx, dy, dt,
+        where(over, part * at.gain, gain),
+    )  # fmt: skip
 
 
 @fused
@@ -80,7 +127,7 @@ def keep(world, arc, pull):
     world[TOTAL], world[TOTAL + 1], world[TOTAL + 2] = pull.fx, pull.fy, pull.torque
 
 
-@fused
+@fused_inlined
 def solved(xx, xy, xt, yy, yt, tt, ex, ey, et):
     """Solution of a symmetric positive definite system of three, by its cofactors.
 

@@ -19,7 +19,7 @@ from coopenv.compiled.lanes.vectors import (
     where,
 )
 from coopenv.geometry.frames import rotated
-from coopenv.physics.block import AGENT_FIELDS, BASE, FORCE, GIVEN, GRIP, LIMIT, SLOPE
+from coopenv.physics.block import AGENT_FIELDS, BASE, COSINE, FORCE, GIVEN, GRIP, LIMIT, SINE, SLOPE
 
 _SMALL = 0.06  # [rad²] of half a turn, for which a series is true to rounding
 
@@ -38,6 +38,7 @@ class Pull(NamedTuple):
     yy: FloatArray
     yt: FloatArray
     tt: FloatArray
+    lean: FloatArray  # what of −∂torque/∂turn is from levers that turn by half the turn
 
 
 class Arc(NamedTuple):
@@ -50,14 +51,10 @@ class Arc(NamedTuple):
 
 
 @fused_inlined
-def pulled(agents, num_agents, dx, dy, arc, newton):
-    """A `Pull` at a displacement of the body; writes each hand's force and torque, world frame.
-
-    Without ``newton``, saturated hands are given the slope from no force to theirs, which bounds
-    the true one from above: steps are shorter then and end everywhere.
-    """
+def pulled(agents, num_agents, dx, dy, arc):
+    """A `Pull` at a displacement of the body; writes each hand's force and torque, world frame."""
     zero = splat(0.0)
-    fx, fy, torque, load, turning = zero, zero, zero, zero, zero
+    fx, fy, torque, load, turning, lean = zero, zero, zero, zero, zero, zero
     xx, xy, xt, yy, yt, tt = zero, zero, zero, zero, zero, zero
     for i in range(num_agents):
         at = i * AGENT_FIELDS
@@ -72,32 +69,30 @@ def pulled(agents, num_agents, dx, dy, arc, newton):
         nx, ny = part * px, part * py
         px, py = where(over, most * nx, px), where(over, most * ny, py)
         bound = most * part * slope
-        jx = jy = where(over, bound, slope)
-        cross = zero
-        if newton:
-            jx, jy = where(over, bound * ny * ny, slope), where(over, bound * nx * nx, slope)
-            cross = where(over, -(bound * nx * ny), zero)
+        jx, jy = where(over, bound * ny * ny, slope), where(over, bound * nx * nx, slope)
+        cross = where(over, -(bound * nx * ny), zero)
         slope, most = agents[at + SLOPE + 1], agents[at + LIMIT + 1]
         free = agents[at + BASE + 2] - slope * arc.turn
         pt = larger(smaller(free, most), -most)
-        over = size(free) > most
-        stiff = where(over, zero if newton else slope * most / size(free), slope)
+        stiff = where(size(free) > most, zero, slope)
         agents[at + FORCE], agents[at + FORCE + 1], agents[at + FORCE + 2] = px, py, pt
         across, along = cross * x - jx * y, jy * x - cross * y
         xx, xy, yy = xx + jx, xy + cross, yy + jy
         xt, yt, tt = xt + across, yt + along, tt + stiff - y * across + x * along
         hx, hy = rotated(arc.c, arc.s, agents[at + GIVEN], agents[at + GIVEN + 1])
         fx, fy = fx + px + arc.chord * hx, fy + py + arc.chord * hy
-        own = x * (py + hy) - y * (px + hx)
+        own, away = x * (py + hy) - y * (px + hx), x * (px + hx) + y * (py + hy)
+        lean += 0.5 * away
         torque += own + pt + agents[at + GIVEN + 2]
         load += size(px) + size(py) + size(hx) + size(hy)
         turning += size(own) + size(pt) + size(agents[at + GIVEN + 2])
-    return Pull(fx, fy, torque, load, turning, xx, xy, xt, yy, yt, tt)
+    return Pull(fx, fy, torque, load, turning, xx, xy, xt, yy, yt, tt, lean)
 
 
 @fused_inlined
-def turned_by(c, s, turn):
-    """The `Arc` of a turn that begins in a direction."""
+def turned_by(world, turn):
+    """The `Arc` of a turn by bodies of a block."""
+    c, s = world[COSINE], world[SINE]
     half = turn * 0.5
     z = half * half
     cosine = 1 + z * (-1 / 2 + z * (1 / 24 + z * (-1 / 720 + z * (1 / 40320 - z * (1 / 3628800)))))

@@ -26,7 +26,6 @@ from coopenv.physics.block import (
     AGILE,
     BORNE,
     BULK,
-    COSINE,
     FREE,
     FREE_TWIST,
     HEFT,
@@ -37,19 +36,18 @@ from coopenv.physics.block import (
     LIGHT,
     MOVED,
     REACHED,
-    SINE,
     TWIST,
     WEIGHT,
 )
-from coopenv.physics.equilibrium import CLOSE, MOST, NEWTON, keep, solved
+from coopenv.physics.equilibrium import CLOSE, MOST, keep, search_from, searched
 from coopenv.physics.friction import until_rest
 from coopenv.physics.pull import pulled, turned_by
 
 
 @fused
 def slid(agents, num_agents, world):
-    """Newton's method for the displacement of bodies that rub on their ground."""
-    c, s, heavy, slow = world[COSINE], world[SINE], 1.0 / world[LIGHT], 1.0 / world[AGILE]
+    """Newton's method for the displacement of bodies that rub; how many iterations it took."""
+    heavy, slow = 1.0 / world[LIGHT], 1.0 / world[AGILE]
     later, later_turn = world[LATER], world[LATER_TURN]
     square, square_turn = world[HOLD] * world[HOLD], world[HOLD_TURN] * world[HOLD_TURN]
     free_x, free_y = world[FREE] + world[BORNE], world[FREE + 1] + world[BORNE + 1]
@@ -57,67 +55,57 @@ def slid(agents, num_agents, world):
     rest_x = free_x - later * world[FREE_TWIST]  # of a body that is at rest at the end
     rest_y = free_y - later * world[FREE_TWIST + 1]
     rest_turn = free_turn - later_turn * world[FREE_TWIST + 2]
-    x, y, turn = rest_x, rest_y, rest_turn
-    arc = turned_by(c, s, turn)
-    pull = pulled(agents, num_agents, x, y, arc, True)
-    fx, fy = pull.fx - heavy * (x - free_x), pull.fy - heavy * (y - free_y)
-    torque = pull.torque - slow * (turn - free_turn)
-    asked = (fx * fx + fy * fy) / square + torque * torque / square_turn
-    slides = asked > 1.0
-    stopped_pull = pull
-    more = 1.0 - 1.0 / root(larger(asked, splat(1.0)))  # what friction leaves, taken for all parts
-    dx, dy, dt = solved(
-        heavy + pull.xx, pull.xy, pull.xt, heavy + pull.yy, pull.yt, slow + pull.tt,
-        more * fx, more * fy, more * torque,
-    )  # fmt: skip
-    x, y, turn = where(slides, x + dx, x), where(slides, y + dy, y), where(slides, turn + dt, turn)
+    at = search_from(rest_x, rest_y, rest_turn)
+    slides, resting = splat(0.0) > 1.0, splat(0.0)
     attempt = 0
     while True:
         attempt += 1
-        vx, vy = (x - rest_x) / later, (y - rest_y) / later
-        spin = (turn - rest_turn) / later_turn
+        vx, vy = (at.x - rest_x) / later, (at.y - rest_y) / later
+        spin = (at.turn - rest_turn) / later_turn
         norm = root(square * (vx * vx + vy * vy) + square_turn * spin * spin)
         part = 1.0 / larger(norm, splat(TINY))
         nx, ny, nt = square * part * vx, square * part * vy, square_turn * part * spin
-        arc = turned_by(c, s, turn)
-        pull = pulled(agents, num_agents, x, y, arc, attempt <= NEWTON)
-        fx, fy = pull.fx - nx - heavy * (x - free_x), pull.fy - ny - heavy * (y - free_y)
-        torque = pull.torque - nt - slow * (turn - free_turn)
-        out = size(fx) + size(fy) - CLOSE * (pull.load + world[HOLD] + heavy * (size(x) + size(y)))
-        turning = pull.turning + world[HOLD_TURN] + slow * size(turn)
-        out = larger(out, size(torque) - CLOSE * turning)
-        out = where(slides, out, splat(0.0))
-        if attempt == MOST or not some(out > 0.0):
-            break
+        arc = turned_by(world, at.turn)
+        pull = pulled(agents, num_agents, at.x, at.y, arc)
+        fx, fy = pull.fx - heavy * (at.x - free_x), pull.fy - heavy * (at.y - free_y)
+        torque = pull.torque - slow * (at.turn - free_turn)
         rub, rub_turn = square * part / later, square_turn * part / later_turn
         bend, bend_turn, mixed = part / later, part / later_turn, part / root(later * later_turn)
-        if attempt > NEWTON:
-            bend, bend_turn, mixed = splat(0.0), splat(0.0), splat(0.0)
-        dx, dy, dt = solved(
+        if attempt == 1:  # does it slide at all, and which way
+            asked = (fx * fx + fy * fy) / square + torque * torque / square_turn
+            slides, resting = asked > 1.0, _stopping(world, pull, rest_x, rest_y, rest_turn)
+            less = 1.0 / root(larger(asked, splat(1.0)))  # friction's part, taken for all alike
+            nx, ny, nt = less * fx, less * fy, less * torque
+            rub, rub_turn, bend = splat(0.0), splat(0.0), splat(0.0)
+            bend_turn, mixed = bend, bend
+        fx, fy, torque = fx - nx, fy - ny, torque - nt
+        out = size(fx) + size(fy)
+        out -= CLOSE * (pull.load + world[HOLD] + heavy * (size(at.x) + size(at.y)))
+        turning = pull.turning + world[HOLD_TURN] + slow * size(at.turn)
+        out = where(slides, larger(out, size(torque) - CLOSE * turning), splat(0.0))
+        if attempt == MOST or not some(out > 0.0):
+            break
+        slopes = (
             heavy + pull.xx + rub - bend * nx * nx,
             pull.xy - bend * nx * ny,
             pull.xt - mixed * nx * nt,
             heavy + pull.yy + rub - bend * ny * ny,
             pull.yt - mixed * ny * nt,
-            slow + pull.tt + rub_turn - bend_turn * nt * nt,
-            fx, fy, torque,
-        )  # fmt: skip
-        x, y = where(out > 0.0, x + dx, x), where(out > 0.0, y + dy, y)
-        turn = where(out > 0.0, turn + dt, turn)
-    taken_x, taken_y = pull.fx - heavy * (x - free_x), pull.fy - heavy * (y - free_y)
-    taken = taken_x * x + taken_y * y + (pull.torque - slow * (turn - free_turn)) * turn
+            slow + pull.tt + larger(pull.lean, -0.75 * slow) + rub_turn - bend_turn * nt * nt,
+        )
+        at = searched(at, out, (fx, fy, torque), slopes)
+    taken = (fx + nx) * at.x + (fy + ny) * at.y + (torque + nt) * at.turn  # by friction [J]
     slides = where(slides, taken, splat(-1.0)) >= 0.0
-    if some(where(slides, splat(0.0), splat(1.0)) > 0.0):
-        path = _stopping(world, stopped_pull, rest_x, rest_y, rest_turn)
-        x, y = where(slides, x, path * rest_x), where(slides, y, path * rest_y)
-        turn = where(slides, turn, path * rest_turn)
-        arc = turned_by(c, s, turn)
-        pull = pulled(agents, num_agents, x, y, arc, True)
+    x, y = where(slides, at.x, resting * rest_x), where(slides, at.y, resting * rest_y)
+    turn = where(slides, at.turn, resting * rest_turn)
+    arc = turned_by(world, turn)
+    pull = pulled(agents, num_agents, x, y, arc)
     keep(world, arc, pull)
     world[MOVED], world[MOVED + 1], world[MOVED + 2] = x, y, turn
     world[REACHED] = where(slides, (x - rest_x) / later, splat(0.0))
     world[REACHED + 1] = where(slides, (y - rest_y) / later, splat(0.0))
     world[REACHED + 2] = where(slides, (turn - rest_turn) / later_turn, splat(0.0))
+    return attempt
 
 
 @fused_inlined
