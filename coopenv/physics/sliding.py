@@ -56,7 +56,17 @@ def slid(agents, num_agents, world):
     rest_y = free_y - later * world[FREE_TWIST + 1]
     rest_turn = free_turn - later_turn * world[FREE_TWIST + 2]
     at = search_from(rest_x, rest_y, rest_turn)
-    slides, resting = splat(0.0) > 1.0, splat(0.0)
+    arc = turned_by(world, at.turn)
+    pull = pulled(agents, num_agents, at.x, at.y, arc)
+    fx, fy = pull.fx - heavy * (at.x - free_x), pull.fy - heavy * (at.y - free_y)
+    torque = pull.torque - slow * (at.turn - free_turn)
+    dx, dy, dt = fx / square, fy / square, torque / square_turn
+    asked = fx * dx + fy * dy + torque * dt
+    slides, resting = asked > 1.0, _stopping(world, pull, rest_x, rest_y, rest_turn)
+    bends = dx * ((heavy + pull.xx) * dx + 2.0 * (pull.xy * dy + pull.xt * dt))
+    bends += dy * ((heavy + pull.yy) * dy + 2.0 * pull.yt * dt) + dt * (slow + pull.tt) * dt
+    ahead = (asked - root(larger(asked, splat(1.0)))) / bends
+    at = search_from(rest_x + ahead * dx, rest_y + ahead * dy, rest_turn + ahead * dt)
     attempt = 0
     while True:
         attempt += 1
@@ -71,13 +81,6 @@ def slid(agents, num_agents, world):
         torque = pull.torque - slow * (at.turn - free_turn)
         rub, rub_turn = square * part / later, square_turn * part / later_turn
         bend, bend_turn, mixed = part / later, part / later_turn, part / root(later * later_turn)
-        if attempt == 1:  # does it slide at all, and which way
-            asked = (fx * fx + fy * fy) / square + torque * torque / square_turn
-            slides, resting = asked > 1.0, _stopping(world, pull, rest_x, rest_y, rest_turn)
-            less = 1.0 / root(larger(asked, splat(1.0)))  # friction's part, taken for all alike
-            nx, ny, nt = less * fx, less * fy, less * torque
-            rub, rub_turn, bend = splat(0.0), splat(0.0), splat(0.0)
-            bend_turn, mixed = bend, bend
         fx, fy, torque = fx - nx, fy - ny, torque - nt
         out = size(fx) + size(fy)
         out -= CLOSE * (pull.load + world[HOLD] + heavy * (size(at.x) + size(at.y)))
