@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from coopenv.arrays import FloatArray, Range
 from coopenv.errors import InvalidInput
 from coopenv.physics.body import Body
@@ -52,19 +54,22 @@ def check_integrable(
     action: str,
     bodies: Sequence[Body],
     strengths: FloatArray,
+    learners: Sequence[int],
     ranges: Ranges | None,
     dt: float,
     substeps: int,
 ) -> None:
     """Raise `InvalidInput` where substeps are too few for the stiffest hands on the lightest body.
 
-    ``strengths`` ``(agent, 8)`` are those of the team; of ``ranges``, the ends that may need most
+    ``strengths`` ``(agent, 8)`` are those of the team, of which only ``learners`` have hands; of
+    ``ranges``, the ends that may need most
     substeps are looked at: the stiffest hands and the lightest body, longest and shortest, with its
     grips as far out as may be drawn.
     """
     needed = 0
     for body in bodies:
         for held, table in _hardest(body, strengths, ranges):
+            table[np.isin(np.arange(len(table)), learners, invert=True)] = 0.0
             if action == "impedance":
                 table[:, [STIFFNESS, TORQUE_STIFFNESS]] *= hands.stiffness_factors[1]
                 table[:, [DAMPING, TORQUE_DAMPING]] *= hands.damping_factors[1]

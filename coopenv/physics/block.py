@@ -1,8 +1,8 @@
 """Block: four worlds whose hands are solved side by side, and where their numbers lie.
 
-The numbers of a world, and those of each agent in it, lie in lanes (`coopenv.compiled.lanes`), field
-after field. Where fewer than four worlds are left, the last one fills the block; what becomes of it
-there is not read. What comes of a world depends on no other in its block.
+The numbers of a world, and those of each agent in it, lie in lanes (`coopenv.compiled.lanes`),
+field after field. Where fewer than four worlds are left, the last one fills the block; what becomes
+of it there is not read. What comes of a world depends on no other in its block.
 """
 
 import numpy as np
@@ -45,7 +45,7 @@ WEIGHT, HEFT, BULK = 20, 22, 23  # force of gravity, mass and moment of inertia
 # what bears it over the path,
 BORNE, PART = 24, 27  # pose change, and the part of the contact that is taken to last
 LOW, HIGH, BEFORE, GAP = 28, 29, 30, 31  # bounds of the part; the part before and what it was off
-# and what is found: direction in the middle and chord by arc, wrench of hands, pose change and twist.
+# and what is found: direction in the middle, chord by arc, wrench of hands, pose change and twist.
 MIDDLE, CHORD, TOTAL, MOVED, REACHED = 32, 34, 35, 38, 41
 WORLD_FIELDS = 44
 

@@ -17,7 +17,7 @@ makes the chord 2 sin(Δθ / 2) ẑ × R(θ + Δθ / 2) g. With the torque of f 
 chord, Σ f · Δp + t Δθ is the work done on the body. What moves the references, at u and Ω, does
 Σ f · u h + t Ω h; the difference is the change of K s² / 2 + κ φ² / 2, and what dampers, limits and
 leash take, which is never negative. So under references at rest no substep adds energy, as far as
-the equations are solved: they are where no body turns by as much as a radian in a substep.
+the equations are solved. Friction on the ground is solved with them (`coopenv.physics.sliding`).
 
 On wheels the grip follows the chord of a circle, and what the body's path differs from it by (of
 third order in h) the reference is moved along.

@@ -19,6 +19,7 @@ from coopenv.physics.pull import pulled, turned_by
 
 MOST = 60  # iterations; see docs/accuracy.md
 CLOSE = 1e-9  # of forces and torques, that in equilibrium are out by so much at most
+_PRESSED = 0.75  # part of inertia's slope that levers may take away
 _OVERSHOT = 0.5  # of what a step would gain at first, that it may lose at its end
 
 
@@ -52,7 +53,14 @@ def met(agents, num_agents, world):
         out = larger(out, size(torque) - CLOSE * (pull.turning + slow * size(at.turn)))
         if attempt == MOST or not some(out > 0.0):
             break
-        slopes = heavy + pull.xx, pull.xy, pull.xt, heavy + pull.yy, pull.yt, slow + pull.tt + larger(pull.lean, -0.75 * slow)
+        slopes = (
+            heavy + pull.xx,
+            pull.xy,
+            pull.xt,
+            heavy + pull.yy,
+            pull.yt,
+            turn_slope(pull, slow),
+        )
         at = searched(at, out, (fx, fy, torque), slopes)
     keep(world, arc, pull)
     return attempt
@@ -78,11 +86,21 @@ def rolled(agents, num_agents, world):
             break
         along = heavy + ux * (ux * pull.xx + uy * pull.xy) + uy * (ux * pull.xy + uy * pull.yy)
         mixed, one = ux * pull.xt + uy * pull.yt, splat(1.0)
-        slopes = along, zero, mixed, one, zero, slow + pull.tt + larger(pull.lean, -0.75 * slow)
+        slopes = along, zero, mixed, one, zero, turn_slope(pull, slow)
         at = searched(at, out, (force, zero, torque), slopes)
     keep(world, arc, pull)
     world[MOVED], world[MOVED + 1] = at.x * ux, at.x * uy
     return attempt
+
+
+@fused_inlined
+def turn_slope(pull, slow):
+    """−∂torque/∂turn, that of inertia included.
+
+    Levers that turn take part as far as they leave the slopes positive definite: hands that press
+    on a body from its ends would turn it over.
+    """
+    return slow + pull.tt + larger(pull.lean, -_PRESSED * slow)
 
 
 @fused_inlined

@@ -4,9 +4,10 @@ Friction is against the twist v at the end of the substep, as in `coopenv.physic
 w = −(F² v, T² ω) / √(F² ‖v‖² + T² ω²). Where what it would have to hold lies in its ellipsoid, the
 body comes to rest, and the path is part of that of a twist that falls evenly to 0.
 
-Along the path friction gives no energy unless forces turn the motion round within the substep. There
-the body stops too, no farther on than its kinetic energy takes it against hands and gravity, and
-goes on in the next substep. So with friction as without, hands at rest never feed energy in.
+Along the path friction gives no energy unless forces turn the motion round within the substep.
+There the body stops too, no farther on than its kinetic energy takes it against hands and gravity,
+and goes on in the next substep. So with friction as without, hands at rest never feed energy in,
+also where the equations are not solved: friction is then what is left of the balance of momentum.
 """
 
 from coopenv.compiled import TINY
@@ -39,7 +40,7 @@ from coopenv.physics.block import (
     TWIST,
     WEIGHT,
 )
-from coopenv.physics.equilibrium import CLOSE, MOST, keep, search_from, searched
+from coopenv.physics.equilibrium import CLOSE, MOST, keep, search_from, searched, turn_slope
 from coopenv.physics.friction import until_rest
 from coopenv.physics.pull import pulled, turned_by
 
@@ -94,7 +95,7 @@ def slid(agents, num_agents, world):
             pull.xt - mixed * nx * nt,
             heavy + pull.yy + rub - bend * ny * ny,
             pull.yt - mixed * ny * nt,
-            slow + pull.tt + larger(pull.lean, -0.75 * slow) + rub_turn - bend_turn * nt * nt,
+            turn_slope(pull, slow) + rub_turn - bend_turn * nt * nt,
         )
         at = searched(at, out, (fx, fy, torque), slopes)
     taken = (fx + nx) * at.x + (fy + ny) * at.y + (torque + nt) * at.turn  # by friction [J]
