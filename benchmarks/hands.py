@@ -12,8 +12,7 @@ import numpy as np
 
 from coopenv import Body, Hands, Scene
 from coopenv.arrays import FloatArray
-from coopenv.physics.compliance import Hold
-from coopenv.physics.felt import feel
+from coopenv.physics.compliance import Hold, feel
 from coopenv.physics.world import World
 from coopenv.wrench.grasp import sum_at_centre
 

@@ -12,7 +12,7 @@ import pymunk.batch as batch
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import BodyLost
-from coopenv.physics import collect, compliance, felt, motion
+from coopenv.physics import collect, compliance, motion
 from coopenv.physics.body import Body
 from coopenv.physics.coefficients import NUM_EXPECTED, coefficients
 from coopenv.physics.friction import held
@@ -150,7 +150,7 @@ class Shard:
         self._move()
         lost = collect.collect(rows, table, self._rooms, self._report, expected, *reached)
         self._check_held(lost, pose)
-        felt.feel(*reached[:2], hands)
+        compliance.feel(*reached[:2], hands)
 
     def _move(self) -> None:
         """Let pymunk read the commands, step, and report."""

@@ -7,7 +7,7 @@ from coopenv.compiled.kinds import fused
 from coopenv.compiled.lanes.memory import four_at
 from coopenv.compiled.lanes.vectors import LANES, larger, root, smaller, splat
 from coopenv.geometry.frames import rotated, rotated_back
-from coopenv.physics.block import (
+from coopenv.physics.compliance.block import (
     AGENT_FIELDS,
     BASE,
     COSINE,
@@ -24,7 +24,7 @@ from coopenv.physics.block import (
     WORLD_FIELDS,
     gather,
 )
-from coopenv.physics.leash import stretched
+from coopenv.physics.compliance.leash import stretched
 
 
 @compiled

@@ -19,7 +19,17 @@ from coopenv.compiled.lanes.vectors import (
     where,
 )
 from coopenv.geometry.frames import rotated
-from coopenv.physics.block import AGENT_FIELDS, BASE, COSINE, FORCE, GIVEN, GRIP, LIMIT, SINE, SLOPE
+from coopenv.physics.compliance.block import (
+    AGENT_FIELDS,
+    BASE,
+    COSINE,
+    FORCE,
+    GIVEN,
+    GRIP,
+    LIMIT,
+    SINE,
+    SLOPE,
+)
 
 _SMALL = 0.06  # [rad²] of half a turn, for which a series is true to rounding
 

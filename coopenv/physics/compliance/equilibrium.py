@@ -5,7 +5,7 @@ from typing import NamedTuple
 from coopenv.arrays import FloatArray
 from coopenv.compiled.kinds import fused, fused_inlined
 from coopenv.compiled.lanes.vectors import larger, size, some, splat, where
-from coopenv.physics.block import (
+from coopenv.physics.compliance.block import (
     AGILE,
     BORNE,
     CHORD,
@@ -15,7 +15,7 @@ from coopenv.physics.block import (
     MOVED,
     TOTAL,
 )
-from coopenv.physics.pull import pulled, turned_by
+from coopenv.physics.compliance.pull import pulled, turned_by
 
 MOST = 60  # iterations; see docs/accuracy.md
 CLOSE = 1e-9  # of forces and torques, that in equilibrium are out by so much at most

@@ -4,7 +4,7 @@ from coopenv.compiled import TINY
 from coopenv.compiled.kinds import fused_inlined
 from coopenv.compiled.lanes.vectors import larger, root, size, splat, where
 from coopenv.geometry.frames import rotated
-from coopenv.physics.block import (
+from coopenv.physics.compliance.block import (
     AGENT_FIELDS,
     BASE,
     COSINE,

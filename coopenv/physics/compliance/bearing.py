@@ -1,7 +1,13 @@
 """Bearing: how far a contact that lasts bears a body that hands hold, found by its part."""
 
 from coopenv.compiled import inlined
-from coopenv.physics.block import (
+from coopenv.physics.coefficients import (
+    PATH_GAIN,
+    SPEED_GAIN,
+    SPIN_GAIN,
+    TURN_GAIN,
+)
+from coopenv.physics.compliance.block import (
     BEFORE,
     BORNE,
     FREE,
@@ -12,12 +18,6 @@ from coopenv.physics.block import (
     PART,
     TOTAL,
     TWIST,
-)
-from coopenv.physics.coefficients import (
-    PATH_GAIN,
-    SPEED_GAIN,
-    SPIN_GAIN,
-    TURN_GAIN,
 )
 from coopenv.physics.motion import borne, lasting_part
 

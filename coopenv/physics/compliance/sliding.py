@@ -23,7 +23,7 @@ from coopenv.compiled.lanes.vectors import (
     together,
     where,
 )
-from coopenv.physics.block import (
+from coopenv.physics.compliance.block import (
     AGILE,
     BORNE,
     BULK,
@@ -40,9 +40,16 @@ from coopenv.physics.block import (
     TWIST,
     WEIGHT,
 )
-from coopenv.physics.equilibrium import CLOSE, MOST, keep, search_from, searched, turn_slope
+from coopenv.physics.compliance.equilibrium import (
+    CLOSE,
+    MOST,
+    keep,
+    search_from,
+    searched,
+    turn_slope,
+)
+from coopenv.physics.compliance.pull import pulled, turned_by
 from coopenv.physics.friction import until_rest
-from coopenv.physics.pull import pulled, turned_by
 
 
 @fused
