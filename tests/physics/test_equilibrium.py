@@ -16,7 +16,7 @@ DT = 0.05  # [s]; one substep a step
 def extreme(chance: np.random.Generator, count: int, friction: float) -> Held:
     """Bodies as light as one substep allows, hands far stretched, limits that bind or do not."""
     agents = 3
-    grips = chance.uniform(-0.8, 0.8, (count, agents, 2)) * [1.0, 0.05]
+    grips = chance.uniform(-0.8, 0.8, (count, agents, 2)) * [1.0, 0.3]
     springs = np.exp(chance.uniform(-3.0, 3.0, (count, agents, 4))) * [150.0, 20.0, 30.0, 5.0]
     springs[..., 1:] *= chance.choice([0.0, 1.0], (count, 1, 3), p=[0.3, 0.7])
     bodies = []
@@ -27,14 +27,18 @@ def extreme(chance: np.random.Generator, count: int, friction: float) -> Held:
             grips=tuple(map(tuple, grips[k].tolist())),
             ground_friction=friction * float(np.exp(chance.uniform(-4.0, 1.0))),
         )
-        needed = needed_substeps(body, np.pad(springs[k], ((0, 0), (0, 2))), DT)
-        # Substeps n times as long ask for at most n² times the inertia.
-        scale = float(needed**2)
+        table, low, high = np.pad(springs[k], ((0, 0), (0, 2))), -8.0, 8.0
+        for _ in range(6):  # bisection of the inertia that one substep asks for
+            scale = float(np.exp((low + high) / 2))
+            light = replace(body, mass=scale * body.mass, inertia=scale * (body.inertia or 0.0))
+            few = needed_substeps(light, table, DT) == 1
+            low, high = (low, (low + high) / 2) if few else ((low + high) / 2, high)
+        scale = float(np.exp(high))
         bodies.append(replace(body, mass=scale * body.mass, inertia=scale * (body.inertia or 0.0)))
     limits = np.exp(chance.uniform(np.log(0.1), np.log(1e4), (count, agents, 2)))
     held = Held(bodies, springs, limits, dt=DT, substeps=1)
     held.world.twist = chance.normal(0.0, 1.0, held.world.twist.shape)
-    apart = np.exp(chance.uniform(-5.0, 0.5, (count, 1, 1)))
+    apart = np.exp(chance.uniform(-5.0, 1.0, (count, 1, 1)))
     held.reference += apart * chance.normal(0.0, 1.0, held.reference.shape)
     held.velocity[:] = chance.normal(0.0, 1.0, held.velocity.shape)
     return held
@@ -61,9 +65,9 @@ def law(held: Held, before: tuple, start: np.ndarray) -> tuple[np.ndarray, np.nd
 
 @pytest.mark.parametrize("friction", [0.0, 0.3], ids=["smooth", "rough"])
 def test_what_hands_give_is_their_law_at_the_displacement_that_comes_of_it(friction):
-    held = extreme(np.random.default_rng(0), 300, friction)
+    held = extreme(np.random.default_rng(0), 600, friction)
     saturated = 0
-    for _ in range(4):
+    for _ in range(2):
         before, start = (held.grips_in_world(), held.world.pose[:, 2]), held.reference.copy()
         held.step()
         force, torque = law(held, before, start)
@@ -82,4 +86,4 @@ def test_what_hands_give_is_their_law_at_the_displacement_that_comes_of_it(frict
         assert (np.abs(held.applied[..., 2] - torque) <= 1e-6 * turned + 1e-9).all()
         size = np.linalg.norm(force, axis=-1)
         saturated += int((size > 0.999 * held.limit[..., 0]).sum())
-    assert saturated > 300
+    assert saturated > 200
