@@ -68,7 +68,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     step's mean twist, and ``energy_share_defined``. The levels F_I [N] and T_I [N·m], γ, the wasted
     cost [N], ``internal_power`` [W], ``success``, which is ``is_success`` too, ``contact_impulse``
     [N·s] and ``contact_shift`` [m] are ``(world,)``, the last two as
-    `coopenv.physics.motion.collect` has them. With hands, ``stored_energy`` ``(world, agent)`` [J]
+    `coopenv.physics.collect.collect` has them. With hands, ``stored_energy`` ``(world, agent)`` [J]
     is what their springs hold.
     ``reward/<term>`` is ``(world, agent)``. Where body and team are drawn anew in every episode,
     ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).

@@ -323,19 +323,20 @@ class TransportConfig:
             self.hands.check(count)
         if self.randomise is not None:
             check_ranges(self.randomise, self.task, bodies, scenes, self.strengths())
+        read_agents(self.driven, "partner_agents of the task", count)
+        check_partner(self.partner, self.partner_agents, self.driven, count)
         if self.hands is not None:
             check_integrable(
                 self.hands,
                 self.action,
                 list(dict.fromkeys(bodies)),
                 self.strengths(),
+                self.learners,
                 self.randomise,
                 self.dt,
                 self.substeps,
             )
         check_senses(self.hands, self.observe, reward=self.terms, cost=self.costs)
-        read_agents(self.driven, "partner_agents of the task", count)
-        check_partner(self.partner, self.partner_agents, self.driven, count)
         check_task(self.task, bodies, scenes)
         check_strength(self.task, bodies, scenes, self.strengths(), self.randomise)
         for terms in (self.terms, self.costs):

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from coopenv.arrays import FloatArray, Range
 from coopenv.errors import InvalidInput
 from coopenv.observation import Entry
@@ -83,27 +85,21 @@ def check_integrable(
     action: str,
     bodies: Sequence[Body],
     strengths: FloatArray,
+    learners: Sequence[int],
     ranges: Ranges | None,
     dt: float,
     substeps: int,
 ) -> None:
     """Raise `InvalidInput` where substeps are too few for the stiffest hands on the lightest body.
 
-    Also where the body rubs on its ground, of which springs and dampers know nothing.
-
-    ``strengths`` ``(agent, column)`` are those of the team; of ``ranges``, the ends that may need
-    most substeps are looked at: the stiffest hands and the lightest body, longest and shortest,
-    with its grips as far out as may be drawn.
+    ``strengths`` ``(agent, column)`` are those of the team, of which only ``learners`` have hands;
+    of ``ranges``, the ends that may need most substeps are looked at: the stiffest hands and the
+    lightest body, longest and shortest, with its grips as far out as may be drawn.
     """
-    rubbing = [body.ground_friction for body in bodies if body.ground_friction > 0]
-    if rubbing:
-        raise InvalidInput(
-            f"body.ground_friction must be 0 where hands hold the body, got {rubbing[0]:g}; choose "
-            "action='wrench' or 'force' there"
-        )
     needed = 0
     for body in bodies:
         for held, table in _hardest(body, strengths, ranges):
+            table[np.isin(np.arange(len(table)), learners, invert=True)] = 0.0
             if action == "impedance":
                 table[:, [STIFFNESS, TORQUE_STIFFNESS]] *= hands.stiffness_factors[1]
                 table[:, [DAMPING, TORQUE_DAMPING]] *= hands.damping_factors[1]

@@ -83,7 +83,7 @@ def rubbed(limits, gains, step, start, path, end):
     vx, vy, spin = end
     most, most_spin = speed_gain * force, spin_gain * torque  # what friction can take [m/s, rad/s]
     if _inside(most, most_spin, end) <= 1.0:
-        part = _until_rest(most, most_spin, start, end) * step / 2  # velocity falls evenly to 0
+        part = until_rest(most, most_spin, start, end) * step / 2  # velocity falls evenly to 0
         return (part * start[0], part * start[1], part * start[2]), (0.0, 0.0, 0.0)
     multiplier = _multiplier(force, torque, most, most_spin, end)
     held = force * force / (multiplier + most * force)  # [N·s/m]
@@ -110,7 +110,7 @@ def _inside(most, most_spin, twist):
 
 
 @compiled
-def _until_rest(most, most_spin, start, end):
+def until_rest(most, most_spin, start, end):
     """Part of a substep, in [0, 1], after which a body is at rest that friction stops in it.
 
     The first σ at which what friction can take in that part is all that there is:

@@ -43,7 +43,6 @@ from coopenv.physics.coefficients import (
     NODE_SPEED,
     NODE_TURN,
     PATH_GAIN,
-    REACH,
     RUBS,
     SPEED_GAIN,
     SPIN_COAST,
@@ -52,7 +51,7 @@ from coopenv.physics.coefficients import (
     TURN_GAIN,
     WHEELS,
 )
-from coopenv.physics.contacts import lasting, spent, yielded
+from coopenv.physics.contacts import lasting
 from coopenv.physics.friction import rubbed
 
 
@@ -136,18 +135,33 @@ def supported(table, k, start, expected, moved, step):
     taken to bear the body over the path too, as far as `lasting` says: a body that rests does not
     sink in, only to be parted from the floor again. ``moved`` is the motion without support.
     """
+    return borne(table, k, expected, lasting_part(table, k, start, expected, moved, step))
+
+
+@inlined
+def lasting_part(table, k, start, expected, moved, step):
+    """The part of the contact that bears a body in `supported`, which writes what that lends."""
     contact = expected[k, CONTACT], expected[k, CONTACT + 1], expected[k, CONTACT + 2]
-    dx, dy, turn, part = 0.0, 0.0, 0.0, 0.0
+    part = 0.0
     if contact[0] != 0.0 or contact[1] != 0.0 or contact[2] != 0.0:
         forced = moved[3] - start[0], moved[4] - start[1], moved[5] - start[2]
         mean = moved[0] / step, moved[1] / step, moved[2] / step
         part = lasting(table[k, MASS], table[k, INERTIA], contact, forced, mean)
-        lasts = part * table[k, PATH_GAIN] / table[k, SPEED_GAIN]  # [s] path a unit of velocity
-        dx, dy = lasts * contact[0], lasts * contact[1]
-        turn = part * table[k, TURN_GAIN] / table[k, SPIN_GAIN] * contact[2]
     for i in range(3):
         expected[k, LENT + i] = part * contact[i]
-    return dx, dy, turn
+    return part
+
+
+@inlined
+def borne(table, k, expected, part):
+    """Change of pose by a part of the contact of the substep before."""
+    lasts = part * table[k, PATH_GAIN] / table[k, SPEED_GAIN]  # [s] path a unit of velocity
+    lasts_turn = part * table[k, TURN_GAIN] / table[k, SPIN_GAIN]
+    return (
+        lasts * expected[k, CONTACT],
+        lasts * expected[k, CONTACT + 1],
+        lasts_turn * expected[k, CONTACT + 2],
+    )
 
 
 @inlined
@@ -221,125 +235,3 @@ def command_to(table, k, at, pose, step, free, command, expected):
     expected[k, 0], expected[k, 1], expected[k, 2] = vx, vy, spin
     expected[k, 3], expected[k, 4] = pose[k, 0] + dx, pose[k, 1] + dy
     expected[k, 5] = pose[k, 2] + turn
-
-
-@compiled
-def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
-    """Read pymunk's buffer back and add up what contacts did to each body.
-
-    The impulse of a substep is the least total of contact impulses that explains the change of
-    momentum p and of angular momentum L against the free motion: max(‖Δp‖, |ΔL| / reach) [N·s].
-    The weight of a body that rests is in it.
-    A body on wheels takes of the contacts what `yielded` says: its velocity stays along its x. No
-    body takes more of them than `spent` says: contacts give no energy.
-
-    pymunk parts what overlaps by moving the body apart from its velocity, in the substep after it
-    found the overlap: no momentum, so no impulse. The shift of a substep is how far that moved the
-    farthest of the body's points, at most: ‖Δ position‖ + reach · |Δ angle| against the free path
-    [m]. Wheels may be shifted sideways.
-
-    Parameters
-    ----------
-    rows, table, expected
-        As in `drive`.
-    rooms
-        ``(world, 4)`` [m]: the origin of each world in pymunk's space, and how far from it along x
-        and y a body may be.
-    report
-        ``(row, 6)``: position, angle, velocity, angular velocity.
-    pose, twist, impulse, shift
-        ``(world, 3)`` twice and ``(world,)`` twice, written; impulse and shift are added.
-
-    Returns
-    -------
-    A world whose body is farther from its origin than it may be, or −1.
-    """
-    lost = -1
-    for k in range(len(rows)):
-        at = report[rows[k]]
-        origin_x, origin_y, farthest_x, farthest_y = rooms[k]
-        pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin_x, at[1] - origin_y, at[2]
-        shift[k] += _shifted(table, k, at, expected, pose)
-        dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
-        speed = np.sqrt(dx * dx + dy * dy)
-        rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
-        c, s, rolling = 1.0, 0.0, 0.0
-        if table[k, WHEELS]:  # where it heads is not as foreseen while pymunk parts what overlaps
-            c, s = np.cos(at[2]), np.sin(at[2])
-            rolling, _ = rotated_back(c, s, expected[k, 0], expected[k, 1])
-        twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
-        if speed > rounding or abs(spin) > rounding:
-            push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / table[k, REACH])
-            mass, inertia = table[k, MASS], table[k, INERTIA]
-            vx, vy = expected[k, 0], expected[k, 1]
-            if table[k, WHEELS]:
-                along, _ = rotated_back(c, s, dx, dy)
-                along, spin, factor = yielded(mass, inertia, along, dx, dy, spin)
-                push *= factor
-                vx, vy, dx, dy = rolling, 0.0, along, 0.0  # along its x and across
-            part = spent(mass, inertia, (vx, vy, expected[k, 2]), (dx, dy, spin))
-            if part < 1 or table[k, WHEELS]:
-                twist[k, 0], twist[k, 1] = vx + part * dx, vy + part * dy
-                twist[k, 2] = expected[k, 2] + part * spin
-                rolling = twist[k, 0]
-            impulse[k] += part * push
-            if table[k, HEAVY]:
-                for i in range(3):
-                    expected[k, CONTACT + i] = twist[k, i] - expected[k, i]
-        else:
-            if table[k, RUBS]:  # else rounding would let what is at rest creep
-                twist[k, 0], twist[k, 1], twist[k, 2] = (
-                    expected[k, 0], expected[k, 1], expected[k, 2],
-                )  # fmt: skip
-            if table[k, HEAVY]:
-                impulse[k] += _let_go(table, k, expected, twist)
-        if table[k, WHEELS]:
-            twist[k, 0], twist[k, 1] = rolling * c, rolling * s
-        if not (abs(pose[k, 0]) <= farthest_x and abs(pose[k, 1]) <= farthest_y):  # or NaN
-            lost = k
-    return lost
-
-
-@inlined
-def _let_go(table, k, expected, twist):
-    """End the contact of the substep before, and return the impulse [N·s] that the path had of it.
-
-    What bore the body over the path acted, so that the body feels it once more: else it would be
-    as fast as one that fell, and higher.
-    """
-    dx, dy, spin = expected[k, LENT], expected[k, LENT + 1], expected[k, LENT + 2]
-    for i in range(3):
-        twist[k, i] += expected[k, LENT + i]
-        expected[k, CONTACT + i] = 0.0
-    push = table[k, MASS] * np.sqrt(dx * dx + dy * dy)
-    return max(push, table[k, INERTIA] * abs(spin) / table[k, REACH])
-
-
-@inlined
-def _shifted(table, k, at, expected, pose):
-    """How far the body was moved off its free path [m], 0 where rounding explains it."""
-    dx, dy, turn = (
-        pose[k, 0] - expected[k, 3],
-        pose[k, 1] - expected[k, 4],
-        pose[k, 2] - expected[k, 5],
-    )
-    rounding = 1e-13 * (1 + abs(at[0]) + abs(at[1]) + abs(at[2]))
-    moved = 0.0
-    if abs(dx) > rounding or abs(dy) > rounding:
-        moved += np.sqrt(dx * dx + dy * dy)
-    if abs(turn) > rounding:
-        moved += table[k, REACH] * abs(turn)
-    return moved
-
-
-@compiled
-def collect_and_drive(rows, table, rooms, buffers, expected, reached, wrench, step):
-    """`collect` one substep and `drive` the next, in one call from Python.
-
-    ``buffers`` are report and command, ``reached`` what `collect` writes; the rest as there.
-    """
-    report, command = buffers
-    pose, twist, impulse, shift = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift)
-    drive(rows, table, pose, twist, wrench, step, command, expected)
-    return lost

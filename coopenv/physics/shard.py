@@ -12,7 +12,7 @@ import pymunk.batch as batch
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import BodyLost
-from coopenv.physics import compliance, motion
+from coopenv.physics import collect, compliance, motion
 from coopenv.physics.body import Body
 from coopenv.physics.coefficients import NUM_EXPECTED, coefficients
 from coopenv.physics.friction import held
@@ -122,12 +122,12 @@ class Shard:
         motion.drive(rows, table, *start, wrench, substep, self._command, expected)
         for _ in range(substeps - 1):
             self._move()
-            lost = motion.collect_and_drive(
+            lost = collect.collect_and_drive(
                 rows, table, self._rooms, buffers, expected, reached, wrench, substep
             )
             self._check_held(lost, pose)
         self._move()
-        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
+        lost = collect.collect(rows, table, self._rooms, self._report, expected, *reached)
         self._check_held(lost, pose)
 
     def hold(
@@ -148,7 +148,7 @@ class Shard:
             )
             self._check_held(lost, pose)
         self._move()
-        lost = motion.collect(rows, table, self._rooms, self._report, expected, *reached)
+        lost = collect.collect(rows, table, self._rooms, self._report, expected, *reached)
         self._check_held(lost, pose)
         compliance.feel(*reached[:2], hands)
 

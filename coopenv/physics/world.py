@@ -38,7 +38,7 @@ class World:
         ``(world, 3)``: (x, y, θ) [m, rad], not wrapped, and its rate; world frame.
     contact_impulse
         ``(world,)`` [N·s] what walls and obstacles gave the body during the last `step`; see
-        `coopenv.physics.motion.collect`.
+        `coopenv.physics.collect.collect`.
     contact_shift
         ``(world,)`` [m] how far the parting of overlaps moved the body during the last `step`, its
         farthest point at most; no impulse tells of that. See the same.

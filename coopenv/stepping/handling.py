@@ -185,9 +185,9 @@ def _read(action, frame, limits, hands, has_hand, middle, spread, angle):
 def _stiffen(spring, stiffness, reference, pose, grips):
     """Draw references nearer where stiffness rises; ``stiffness`` becomes that of ``spring``."""
     for k in range(len(pose)):
-        c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         for i in range(grips.shape[1]):
             if spring[k, i, 0] > stiffness[k, i, 0]:
+                c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])  # here, as few steps need them
                 x, y = rotated(c, s, grips[k, i, 0], grips[k, i, 1])
                 x, y = pose[k, 0] + x, pose[k, 1] + y
                 part = stiffness[k, i, 0] / spring[k, i, 0]

@@ -25,6 +25,7 @@ class Held:
     pose: FloatArray | tuple[float, float, float] = (0.3, -0.2, 0.7)
     dt: float = 0.05  # [s]
     substeps: int = 2
+    scene: Scene = ROOM
 
     @classmethod
     def of(cls, body: Body, hands: Hands, num_worlds: int = 1, **values) -> "Held":
@@ -34,7 +35,7 @@ class Held:
 
     def __post_init__(self):
         self.world = World(
-            self.bodies, [ROOM] * len(self.bodies), dt=self.dt, substeps=self.substeps
+            self.bodies, [self.scene] * len(self.bodies), dt=self.dt, substeps=self.substeps
         )
         shape = len(self.bodies), self.bodies[0].num_agents
         self.grips = np.array([body.grips for body in self.bodies])

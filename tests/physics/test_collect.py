@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coopenv.physics import motion
+from coopenv.physics import collect
 from coopenv.physics.coefficients import coefficients
 
 MASS, INERTIA, REACH = 2.0, 3.0, 0.5  # [kg], [kg·m²], [m]
@@ -20,7 +20,7 @@ def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0)):
     impulse, shift = np.array([before[0]]), np.array([before[1]])
     report = np.zeros((3, 6))
     report[2] = np.add(reported, [*origin, 0, 0, 0, 0])
-    lost = motion.collect(
+    lost = collect.collect(
         np.array([2]), table, np.array([[*origin, 5.0, 4.0]]), report, np.array([EXPECTED]),
         pose, twist, impulse, shift,
     )  # fmt: skip

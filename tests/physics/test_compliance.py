@@ -13,7 +13,7 @@ from coopenv import Body
 from coopenv.geometry.frames import rotated
 from coopenv.physics.hands import Hands, needed_substeps
 from tests.helpers import TRIO
-from tests.physics.held import STRONG, Held
+from tests.physics.held import ROOM, STRONG, Held
 
 GLIDING: dict[str, Any] = {"linear_drag": 0.0, "angular_drag": 0.0}
 UNDAMPED = Hands(damping=0.0, torque_damping=0.0)
@@ -138,7 +138,7 @@ def exact(held: Held, seconds: float):
         torque = np.clip(torque, -torque_limit, torque_limit)
         hx, hy = rotated(c, s, *held.held[0, :, :2].T)
         force = force + np.stack([hx, hy], axis=-1)
-        total = force.sum(axis=0)
+        total = force.sum(axis=0) + body.mass * np.array(held.scene.gravity)
         turning = (across * force).sum() + torque.sum() + held.held[0, :, 2].sum()
         spin = (turning - body.angular_drag * y[5]) / body.inertia
         if body.nonholonomic:
@@ -180,6 +180,24 @@ def test_the_motion_is_that_of_an_independent_integration(body, kind):
         errors.append(float(np.abs(reached - wanted).max()))
     assert errors[1] < 1e-4
     assert errors[1] < errors[0] / 5 or errors[0] < 1e-8  # of second order
+
+
+def test_under_gravity_and_changing_impedance_too_the_motion_is_that_of_an_integration():
+    errors = []
+    for substeps in (4, 16):
+        fallen = replace(ROOM, gravity=(0.0, -9.81))
+        held = Held.of(Body(), Hands(), substeps=substeps, scene=fallen)
+        held.velocity[:] = [[(0.5, 0.2, 0.3), (0.3, -0.2, -0.1)]]
+        apart = 0.0
+        for step in range(8):
+            held.springs[:] *= [[[1.4, 0.8, 0.9, 1.2]]] if step % 2 else [[[0.6, 1.3, 1.2, 0.7]]]
+            wanted = exact(held, held.dt)
+            held.step()
+            reached = np.concatenate([held.world.pose[0], held.world.twist[0]])
+            apart = max(apart, float(np.abs(reached - wanted).max()))
+        errors.append(apart)
+    assert errors[1] < 1e-4
+    assert errors[1] < errors[0] / 8  # of second order
 
 
 def test_no_hand_gives_more_than_its_limits_nor_its_reference_runs_away():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coopenv import Body, Scene
-from coopenv.physics import contacts, motion
+from coopenv.physics import collect, contacts
 from coopenv.physics.coefficients import coefficients
 from coopenv.physics.world import World
 
@@ -32,7 +32,7 @@ def collected(expected, reported, *, wheels):
     )
     pose, twist, impulse, shift = np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1), np.zeros(1)
     rows, rooms = np.zeros(1, dtype=np.int64), np.array([[0.0, 0.0, 9.0, 9.0]])
-    motion.collect(
+    collect.collect(
         rows, table, rooms, np.array([reported]), np.array([expected]), pose, twist, impulse, shift
     )
     return twist[0], impulse[0]

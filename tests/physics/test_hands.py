@@ -106,3 +106,12 @@ def test_hands_beside_an_action_that_none_carry_out_are_refused(action):
         TransportConfig(action=action, hands=Hands())
     with pytest.raises(InvalidInput, match=r"randomise\.stiffness must come with action='motion'"):
         TransportConfig(action=action, randomise=Ranges(stiffness=(10.0, 20.0)))
+
+
+def test_agents_that_a_partner_drives_have_no_hand_to_count():
+    hands = Hands(stiffness=(150.0, 1e6))
+    with pytest.raises(InvalidInput, match="substeps must be at least"):
+        TransportConfig(action="motion", hands=hands)
+    TransportConfig(action="motion", hands=hands, partner="leader", partner_agents=(1,))
+    with pytest.raises(InvalidInput, match="substeps must be at least"):
+        TransportConfig(action="motion", hands=hands, partner="leader", partner_agents=(0,))

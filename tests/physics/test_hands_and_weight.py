@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from coopenv import Body, Hands, Scene, Transport
-from coopenv.errors import InvalidInput
 
 UPRIGHT = Scene(size=(6.0, 6.0), gravity=(0.0, -9.81))
 STILL = np.zeros((1, 2, 3))
@@ -64,6 +63,22 @@ def test_a_floor_bears_what_weak_hands_do_not():
     assert bottom == pytest.approx(-3.0, abs=3e-3)
 
 
-def test_hands_do_not_hold_what_rubs_on_its_ground():
-    with pytest.raises(InvalidInput, match=r"must be 0 where hands hold the body, got 0\.3"):
-        Transport(action="motion", body=Body(ground_friction=0.3))
+def test_hands_pull_what_rubs_on_its_ground_only_once_they_are_stretched_enough():
+    body = Body(ground_friction=0.2)
+    core = Transport(action="motion", body=body, horizon=100)
+    core.reset(seed=0, pose=(0.0, 0.0, 0.0), goal=(1.0, 1.0, 0.0))
+    pull = STILL.copy()
+    pull[0, :, 0] = 0.1, -0.1  # agents look at each other: both along the beam, 0.1 m/s
+    moved = []
+    for _ in range(60):
+        core.step(pull)
+        after = core.transition
+        assert after is not None
+        moved.append((np.abs(after.applied[0, :, 0]).sum(), after.next_state.pose[0, 0]))
+    given, x = np.array(moved).T
+    limit = 0.2 * body.mass * 9.81
+    still = given < 0.99 * limit
+    assert still.sum() > 3
+    assert (x[still] == 0.0).all()
+    assert given[0] < given[1] < given[2]
+    assert x[-1] > 0.1

@@ -6,9 +6,9 @@ Sums over the blocks grow in four lanes, in a chunk of their own, until they are
 """
 
 from coopenv.compiled import fused, fused_inlined
+from coopenv.compiled.lanes.memory import TABLE_WIDTH, after
+from coopenv.compiled.lanes.vectors import total, where
 from coopenv.wrench.structured.blocks import ANSWER, COLUMNS, FREE, RADIUS, chunk, num_chunks
-from coopenv.wrench.structured.lanes.memory import TABLE_WIDTH, after
-from coopenv.wrench.structured.lanes.vectors import total, where
 from coopenv.wrench.structured.tolerances import DEAD_PIVOT, VOID_PIVOT
 
 ALIVE = 6  # row: 1 for resultants that some block can make, 0 for others

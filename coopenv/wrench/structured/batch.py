@@ -3,6 +3,8 @@
 import numpy as np
 
 from coopenv.compiled import fused, fused_entry
+from coopenv.compiled.lanes.memory import TABLE_WIDTH, array_at, four_at, table_at
+from coopenv.compiled.lanes.vectors import LANES
 from coopenv.wrench.structured.agreement import share_needed
 from coopenv.wrench.structured.alignment import align, turn_back
 from coopenv.wrench.structured.balance import SYSTEM
@@ -19,8 +21,6 @@ from coopenv.wrench.structured.blocks import (
 from coopenv.wrench.structured.bound import neglected, saving, undercut
 from coopenv.wrench.structured.feasible import clear, fit
 from coopenv.wrench.structured.interior_point import solve
-from coopenv.wrench.structured.lanes.memory import TABLE_WIDTH, array_at, four_at, table_at
-from coopenv.wrench.structured.lanes.vectors import LANES
 from coopenv.wrench.structured.tolerances import RETRIED_GAP, TRIFLE
 
 GAP, APPLIED_COST, COST = 0, 1, 2  # columns of a report [N]

@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 
 from coopenv.arrays import FloatArray
 from coopenv.compiled import TINY, fused, fused_inlined
+from coopenv.compiled.lanes.memory import after, lane
+from coopenv.compiled.lanes.vectors import LANES, largest
 from coopenv.wrench.structured.cones import CONE
 from coopenv.wrench.structured.frame import norm3, set_frame
-from coopenv.wrench.structured.lanes.memory import after, lane
-from coopenv.wrench.structured.lanes.vectors import LANES, largest
 from coopenv.wrench.structured.tolerances import CHEAP, NEGLIGIBLE, NEGLIGIBLE_DEAR, RADIAL
 
 FREE, CONES = 0, 1  # fields: how many coordinates are free, how many cones there are

@@ -11,6 +11,7 @@ Every term is ≥ 0 and is evaluated without cancellation. Costs are in units of
 from math import sqrt
 
 from coopenv.compiled import TINY, fused, fused_inlined
+from coopenv.compiled.lanes.vectors import larger, largest, root, size, splat, total, where
 from coopenv.wrench.structured.balance import NU, NU_STEP, resultant, seen
 from coopenv.wrench.structured.blocks import (
     ANSWER,
@@ -26,7 +27,6 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import Z
-from coopenv.wrench.structured.lanes.vectors import larger, largest, root, size, splat, total, where
 from coopenv.wrench.structured.tolerances import MULTIPLIER_GROWTH, NEGLIGIBLE, TORQUE_ROUNDING
 
 

@@ -11,7 +11,7 @@ solvers", 2010, sections 4 and 5.
 import numpy as np
 
 from coopenv.compiled import fused, fused_inlined
-from coopenv.wrench.structured.lanes.vectors import larger, root, some, splat, where
+from coopenv.compiled.lanes.vectors import larger, root, some, splat, where
 from coopenv.wrench.structured.tolerances import CANCELLED, ROUNDING
 
 S, Z = 0, 4  # fields: the pair

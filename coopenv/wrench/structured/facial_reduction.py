@@ -16,6 +16,7 @@ Source: facial reduction as in Borwein & Wolkowicz 1981; this proof is our own.
 """
 
 from coopenv.compiled import fused
+from coopenv.compiled.lanes.memory import after
 from coopenv.wrench.structured.balance import (
     BEFORE,
     NU,
@@ -41,7 +42,6 @@ from coopenv.wrench.structured.blocks import (
 )
 from coopenv.wrench.structured.cones import CONE, Z
 from coopenv.wrench.structured.frame import norm3
-from coopenv.wrench.structured.lanes.memory import after
 from coopenv.wrench.structured.tolerances import PROOF_ERROR, PROOF_POSITIVE, SUSPECT_SHARE
 
 PROOF = NU_STEP  # row of λ

@@ -3,6 +3,15 @@
 import numpy as np
 
 from coopenv.compiled import TINY, fused, fused_inlined
+from coopenv.compiled.lanes.vectors import (
+    larger,
+    largest,
+    size,
+    smaller,
+    smallest,
+    splat,
+    where,
+)
 from coopenv.wrench.structured.balance import (
     NU_STEP,
     largest_component,
@@ -13,15 +22,6 @@ from coopenv.wrench.structured.balance import (
 )
 from coopenv.wrench.structured.blocks import ANSWER, CONES, FREE, RADIUS, V, chunk, num_chunks
 from coopenv.wrench.structured.bound import leaving, products, saving
-from coopenv.wrench.structured.lanes.vectors import (
-    larger,
-    largest,
-    size,
-    smaller,
-    smallest,
-    splat,
-    where,
-)
 from coopenv.wrench.structured.newton import under_hessian
 from coopenv.wrench.structured.tolerances import (
     BALANCE_ROUNDING,

@@ -11,12 +11,12 @@ Source: S. Mehrotra, "On the implementation of a primal-dual interior point meth
 import numpy as np
 
 from coopenv.compiled import fused
+from coopenv.compiled.lanes.vectors import splat, total
 from coopenv.wrench.structured.agreement import certify, disagreement, share_torques, start_near
 from coopenv.wrench.structured.balance import BALANCE, largest_component, mark_alive
 from coopenv.wrench.structured.blocks import ANSWER, CONES, KEPT, G, chunk, num_chunks
 from coopenv.wrench.structured.facial_reduction import fix_immovable
 from coopenv.wrench.structured.feasible import clear, settle
-from coopenv.wrench.structured.lanes.vectors import splat, total
 from coopenv.wrench.structured.newton import correct, predict
 from coopenv.wrench.structured.start import start
 from coopenv.wrench.structured.step import take

@@ -18,6 +18,8 @@ progress is slow the step is refined nevertheless.
 from math import inf
 
 from coopenv.compiled import fused, fused_inlined
+from coopenv.compiled.lanes.memory import after
+from coopenv.compiled.lanes.vectors import larger, smaller, smallest, splat, total, where
 from coopenv.wrench.structured.balance import (
     BALANCE,
     BEFORE,
@@ -65,8 +67,6 @@ from coopenv.wrench.structured.cones import (
     scale,
     write_corrector,
 )
-from coopenv.wrench.structured.lanes.memory import after
-from coopenv.wrench.structured.lanes.vectors import larger, smaller, smallest, splat, total, where
 from coopenv.wrench.structured.tolerances import LEAST_PIVOT, RAISED_PIVOT
 
 

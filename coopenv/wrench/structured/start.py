@@ -1,6 +1,7 @@
 """Starting point of the structured solver: the centre of every ball; compiled."""
 
 from coopenv.compiled import fused, fused_inlined
+from coopenv.compiled.lanes.vectors import root, size, splat, total, where
 from coopenv.wrench.structured.balance import NU
 from coopenv.wrench.structured.blocks import (
     CONES,
@@ -17,7 +18,6 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import DET_S, DET_Z, ERROR_S, ERROR_Z, S, Z
-from coopenv.wrench.structured.lanes.vectors import root, size, splat, total, where
 from coopenv.wrench.structured.tolerances import ROUNDING, START_PRODUCT
 
 

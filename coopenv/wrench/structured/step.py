@@ -1,6 +1,7 @@
 """Steps of the structured solver: takes one and evaluates the new iterate in one pass; compiled."""
 
 from coopenv.compiled import fused, fused_inlined
+from coopenv.compiled.lanes.vectors import larger, largest, size, splat, total, where
 from coopenv.wrench.structured.balance import (
     BALANCE,
     NU,
@@ -36,7 +37,6 @@ from coopenv.wrench.structured.cones import (
     refresh,
     renew,
 )
-from coopenv.wrench.structured.lanes.vectors import larger, largest, size, splat, total, where
 from coopenv.wrench.structured.tolerances import ROUNDING
 
 

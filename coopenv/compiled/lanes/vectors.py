@@ -1,4 +1,4 @@
-"""Vectors of four numbers (SIMD) for the compiled code of the structured solver.
+"""Vectors of four numbers (SIMD) for compiled code.
 
 ``Lanes`` are four numbers that take ``+ - * /`` and comparisons like one, with each other or with
 a number. What happens in a lane depends on no other lane. A comparison gives a ``Mask``. LLVM
@@ -177,6 +177,19 @@ def element(typing_context, x, which):
         return builder.extract_element(*args)
 
     return types.float64(lanes, types.intp), generate
+
+
+@in_llvm
+def together(typing_context, first, second, third, fourth):
+    """Four numbers as lanes."""
+
+    def generate(context, builder, sig, args):
+        made = ir.Constant(VECTOR, ir.Undefined)
+        for i, number in enumerate(args):
+            made = builder.insert_element(made, number, cgutils.int32_t(i))
+        return made
+
+    return lanes(*[types.float64] * LANES), generate
 
 
 @fused_inlined

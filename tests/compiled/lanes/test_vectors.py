@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numba import TypingError, njit
 
-from coopenv.wrench.structured.lanes.memory import after, four_at
-from coopenv.wrench.structured.lanes.vectors import (
+from coopenv.compiled.lanes.memory import after, four_at
+from coopenv.compiled.lanes.vectors import (
     larger,
     largest,
     root,

@@ -1,4 +1,4 @@
-"""Memory of the structured solver: typed pointers for compiled code, without reference counts.
+"""Memory of lanes: typed pointers for compiled code, without reference counts.
 
 The fields of four blocks lie side by side in memory, field after field. ``Four`` points to them,
 and ``[field]`` gives one as lanes (`lanes`). ``One`` points to the fields of a single block, and
@@ -19,7 +19,7 @@ from numba.extending import lower_builtin
 from numba.np.numpy_support import carray
 
 from coopenv.compiled import fused
-from coopenv.wrench.structured.lanes.vectors import (
+from coopenv.compiled.lanes.vectors import (
     LANES,
     VECTOR,
     declared,

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from coopenv.wrench.structured.lanes.memory import after, array_at, four_at, lane, table_at
+from coopenv.compiled.lanes.memory import after, array_at, four_at, lane, table_at
 
 
 @njit

@@ -1,1 +1,0 @@
-"""Four effectors at once: vectors of the processor, and the memory they lie in."""
