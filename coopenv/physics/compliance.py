@@ -45,7 +45,7 @@ from coopenv.physics.coefficients import (
     TURN_GAIN,
     WHEELS,
 )
-from coopenv.physics.motion import Motion, collect, command_to, roll, supported
+from coopenv.physics.motion import Motion, collect, command_to, roll, roll_on, supported
 
 _NEWTON, _MOST = 12, 60  # iterations by Newton's method, and at all
 _ROUNDS, _STILL = 12, 1e-12  # solutions beside a contact that bears, and their change [m, rad]
@@ -71,7 +71,7 @@ class Hold(NamedTuple):
 
 
 @compiled
-def hold(rows, table, pose, twist, hands, step, share, command, expected):
+def hold(rows, table, pose, twist, hands, step, share, command, expected, around):
     """`coopenv.physics.motion.drive` for bodies that hands hold.
 
     ``hands`` are the fields of a `Hold`, of which references go on by a substep and the mean wrench
@@ -93,11 +93,17 @@ def hold(rows, table, pose, twist, hands, step, share, command, expected):
             c, s, chord, free = _rolled(table, k, pose, twist, hands, c, s, rate)
         else:
             c, s, chord, free = _pushed(table, k, pose, twist, hands, c, s, rate, expected)
+        along = across = 0.0
         for i in range(grips.shape[1]):
             x, y = rotated_back(c, s, force[k, i, 0], force[k, i, 1])
-            applied[k, i, 0] += share * (chord * x + held[k, i, 0])
-            applied[k, i, 1] += share * (chord * y + held[k, i, 1])
+            x, y = chord * x + held[k, i, 0], chord * y + held[k, i, 1]
+            along, across = along + x, across + y
+            applied[k, i, 0] += share * x
+            applied[k, i, 1] += share * y
             applied[k, i, 2] += share * (force[k, i, 2] + held[k, i, 2])
+        if table[k, WHEELS]:
+            start = pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2]
+            roll_on(table, k, Motion(*start, along, across, 0.0), free[5], step, around)
         command_to(table, k, rows[k], pose, step, free, command, expected)
 
 
@@ -312,9 +318,9 @@ def _solved(xx, xy, xt, yy, yt, tt, ex, ey, et):
 def collect_and_hold(rows, table, rooms, buffers, expected, reached, hands, step, share):
     """`collect` one substep and `hold` the next, in one call from Python."""
     report, command = buffers
-    pose, twist, impulse, shift = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift)
-    hold(rows, table, pose, twist, hands, step, share, command, expected)
+    pose, twist, impulse, shift, around = reached
+    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around)
+    hold(rows, table, pose, twist, hands, step, share, command, expected, around)
     return lost
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from coopenv.physics import motion
 from coopenv.physics.coefficients import coefficients
+from coopenv.physics.surroundings import NUM_GIVEN
 
 MASS, INERTIA, REACH = 2.0, 3.0, 0.5  # [kg], [kg·m²], [m]
 EXPECTED = [0.5, -0.2, 0.1, 1.0, 2.0, 0.3]  # twist and pose without contact
@@ -12,6 +13,7 @@ EXPECTED = [0.5, -0.2, 0.1, 1.0, 2.0, 0.3]  # twist and pose without contact
 
 def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0)):
     """Pose, twist, impulse, shift, and the world that is lost."""
+    around = np.zeros((1, NUM_GIVEN))
     one = np.ones(1)
     table = coefficients(
         MASS * one, INERTIA * one, 0 * one, 0 * one, 0.02, np.array([wheels]), REACH * one
@@ -22,7 +24,7 @@ def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0)):
     report[2] = np.add(reported, [*origin, 0, 0, 0, 0])
     lost = motion.collect(
         np.array([2]), table, np.array([[*origin, 5.0, 4.0]]), report, np.array([EXPECTED]),
-        pose, twist, impulse, shift,
+        pose, twist, impulse, shift, around,
     )  # fmt: skip
     return pose[0], twist[0], impulse[0], shift[0], lost
 
