@@ -21,7 +21,7 @@ GROUPS = {  # what indexing gives as a dictionary of its own
     "body": BODY,
     "cost_terms": f"{COST}/",
 }
-POSES = ("partner_plan", "surroundings_wrench")  # three numbers a world, not one an agent
+TRIPLES = ("partner_plan", "surroundings_wrench")  # three numbers a world, not one an agent
 _OF_LEARNERS = REWARD, f"{COST}/"
 
 
@@ -169,7 +169,7 @@ def of_agents(info: Info, agents: Sequence[int]) -> list[Info]:
             if value.ndim == 1:
                 continue
             row = number if is_of_learners(name) else agent
-            if name in POSES:
+            if name in TRIPLES:
                 own[name] = value[0].copy()
             else:
                 own[name] = value.item(row) if value.ndim == 2 else value[0, row].copy()
