@@ -61,16 +61,20 @@ class Team:
         return self.grips.shape[1]
 
     def decomposer(self, settings: Settings | None = None) -> Decomposer:
-        """The decomposition under ``settings``, checked on first use.
+        """The decomposition of the agents' wrenches under ``settings``, checked on first use.
 
-        ``None`` are the environment's own, which need no hashing.
+        ``None`` are the environment's own, which need no hashing. Surroundings, of which it knows
+        nothing, are added by `coopenv.Transition`.
         """
+        if settings is None and self.settings.surroundings:
+            settings = self.settings  # whose decomposer has others, without
         found = self._decomposers.get(settings)
         if settings is None:
             if found is None or found.settings is not self.settings:  # of a team it was copied from
                 found = self._decomposers[None] = self.decomposer(self.settings)
         elif found is None:
-            found = Decomposer(self.grips[0] if self.alike else self.grips, settings)
+            grips = self.grips[0] if self.alike else self.grips
+            found = Decomposer(grips, settings.of_agents)
             self._decomposers[settings] = found
         return found
 

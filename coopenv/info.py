@@ -21,7 +21,7 @@ GROUPS = {  # what indexing gives as a dictionary of its own
     "body": BODY,
     "cost_terms": f"{COST}/",
 }
-POSES = ("partner_plan",)  # three numbers a world, not one an agent
+TRIPLES = ("partner_plan", "surroundings_wrench")  # three numbers a world, not one an agent
 _OF_LEARNERS = REWARD, f"{COST}/"
 
 
@@ -62,22 +62,25 @@ register_dictionary(Info)
 def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
     """Infos of all worlds after a step.
 
-    Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]. Shares ``(world, agent)`` are
+    Wrenches are in the object frame ``(world, agent, 3)`` [N, N·m]. Levels, γ and wasted cost
+    are of the surroundings too, where the decomposition has them; agents share what they apply
+    themselves. Shares ``(world, agent)`` are
     1/n where they are undefined, which ``force_load_share_defined`` and
     ``torque_load_share_defined`` ``(world,)`` tell; likewise ``energy_share``, of the power at the
     step's mean twist, and ``energy_share_defined``. The levels F_I [N] and T_I [N·m], γ, the wasted
     cost [N], ``internal_power`` [W], ``success``, which is ``is_success`` too, ``contact_impulse``
     [N·s] and ``contact_shift`` [m] are ``(world,)``, the last two as
-    `coopenv.physics.collect.collect` has them. With hands, ``stored_energy`` ``(world, agent)`` [J]
-    is what their springs hold.
+    `coopenv.physics.collect.collect` has them. ``surroundings_wrench`` ``(world, 3)`` is the mean
+    of what contacts and wheels gave, at the centre of mass. With hands, ``stored_energy``
+    ``(world, agent)`` [J] is what their springs hold.
     ``reward/<term>`` is ``(world, agent)``. Where body and team are drawn anew in every episode,
     ``body/<number>`` are the numbers drawn (`coopenv.conditions.Conditions.parameters`).
     """
-    decomposition = transition.decomposition
-    share, power = decomposition.share_or_even, transition.power
+    decomposition, of_agents = transition.decomposition, transition.of_agents
+    share, power = transition.share_or_even, transition.power
     info = Info(
-        internal_wrench=decomposition.internal,
-        manipulation_wrench=decomposition.manipulation,
+        internal_wrench=of_agents(decomposition.internal),
+        manipulation_wrench=of_agents(decomposition.manipulation),
         force_load_share=share.force,
         force_load_share_defined=share.force_defined,
         torque_load_share=share.torque,
@@ -93,6 +96,7 @@ def step_info(transition: Transition, parts: dict[str, FloatArray]) -> Info:
         is_success=transition.success,
         contact_impulse=transition.contact_impulse,
         contact_shift=transition.contact_shift,
+        surroundings_wrench=transition.surroundings_wrench,
     )
     if transition.stored_energy is not None:
         info["stored_energy"] = transition.stored_energy
@@ -169,7 +173,7 @@ def of_agents(info: Info, agents: Sequence[int]) -> list[Info]:
             if value.ndim == 1:
                 continue
             row = number if is_of_learners(name) else agent
-            if name in POSES:
+            if name in TRIPLES:
                 own[name] = value[0].copy()
             else:
                 own[name] = value.item(row) if value.ndim == 2 else value[0, row].copy()

@@ -249,7 +249,7 @@ class Draws:
         varied = {b: Variations(config.randomise, b, strengths) for b in set(self._bodies)}
         grips = [body.grips for each in varied.values() for body in each.samples()]
         try:
-            Decomposer(grips, config.decomposition)
+            Decomposer(grips, config.decomposition.of_agents)
         except InvalidInput as error:
             raise InvalidInput(
                 f"randomise must leave grips that the decomposition can work with: {error}"

@@ -9,8 +9,11 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.conditions import Conditions, Team
 from coopenv.geometry import frames
+from coopenv.physics.surroundings import acting
 from coopenv.power import Power, power_over
-from coopenv.wrench import Decomposition, Settings
+from coopenv.wrench import Decomposition, LoadShare, Settings
+from coopenv.wrench.measures import ShareOrEven, share_of_load, share_or_even
+from coopenv.wrench.surroundings import with_surroundings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,6 +36,9 @@ class Transition:
     and ``stored_energy`` are of hands and as they are at the end; ``None`` without hands. Behind
     actuators, ``applied`` comes of what acts and not of ``action``. After a reset, ``state`` is
     ``next_state`` and nothing was applied.
+
+    Under settings with surroundings a decomposition has one effector more than there are agents,
+    its last: `of_agents` takes the others' rows.
     """
 
     state: State
@@ -43,6 +49,8 @@ class Transition:
     applied: FloatArray  # (world, agent, 3) [N, N·m]
     contact_impulse: FloatArray  # (world,) [N·s] from walls and obstacles
     contact_shift: FloatArray  # (world,) [m] that parting of overlaps moved the body
+    surroundings_wrench: FloatArray  # (world, 3) of contacts and wheels at the centre of mass, mean
+    wheel_force: FloatArray  # (world,) [N] what of it wheels give, along the object's y
     success: BoolArray  # (world,)
     terminated: BoolArray  # (world,)
     truncated: BoolArray  # (world,)
@@ -55,6 +63,7 @@ class Transition:
         init=False, default_factory=dict, repr=False
     )
     _own: list[Decomposition] = field(init=False, default_factory=list, repr=False)
+    _shares: list[ShareOrEven] = field(init=False, default_factory=list, repr=False)
     _power: list[Power] = field(init=False, default_factory=list, repr=False)
 
     @classmethod
@@ -75,6 +84,8 @@ class Transition:
             applied=np.zeros((count, num_agents, 3)),
             contact_impulse=np.zeros(count),
             contact_shift=np.zeros(count),
+            surroundings_wrench=np.zeros((count, 3)),
+            wheel_force=np.zeros(count),
             success=no,
             terminated=no,
             truncated=no,
@@ -93,12 +104,12 @@ class Transition:
         slowly.
         """
         made = object.__new__(cls)
-        made.__dict__.update(entries, _decompositions={}, _own=[], _power=[])
+        made.__dict__.update(entries, _decompositions={}, _own=[], _shares=[], _power=[])
         return made
 
     def __getstate__(self) -> dict[str, Any]:
-        # What is computed when asked for is computed again.
-        return {**self.__dict__, "_decompositions": {}, "_own": [], "_power": []}
+        computed = {"_decompositions": {}, "_own": [], "_shares": [], "_power": []}
+        return {**self.__dict__, **computed}  # what is computed when asked for is computed again
 
     @property
     def team(self) -> Team:
@@ -109,7 +120,7 @@ class Transition:
     def decomposition(self) -> Decomposition:
         """Decomposition of ``applied`` under the environment's settings."""
         if not self._own:
-            self._own.append(self.team.decomposer()(self.applied))
+            self._own.append(self._decomposed(None, self.team.settings))
         return self._own[0]
 
     def decompose(self, settings: Settings) -> Decomposition:
@@ -118,9 +129,38 @@ class Transition:
             return self.decomposition
         found = self._decompositions.get(settings)
         if found is None:
-            found = self.team.decomposer(settings)(self.applied)
+            found = self._decomposed(settings, settings)
             self._decompositions[settings] = found
         return found
+
+    def _decomposed(self, asked: Settings | None, settings: Settings) -> Decomposition:
+        agents = self.team.decomposer(asked)
+        if not settings.surroundings:
+            return agents(self.applied)
+        return with_surroundings(agents, settings, self.applied, *self._surroundings())
+
+    def _surroundings(self) -> tuple[FloatArray, FloatArray]:
+        """What surroundings give as an effector ``(world, 3)``, and where ``(world, 2)`` [m]."""
+        given, wheels = self.surroundings_wrench, self.wheel_force
+        arrays = (np.ascontiguousarray(array) for array in (given, wheels))
+        return acting(*arrays, self.conditions.load.outline)
+
+    def of_agents(self, rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """The agents' rows ``(world, agent, …)`` of what a decomposition has of each effector."""
+        num_agents = self.applied.shape[1]
+        return rows if rows.shape[1] == num_agents else rows[:, :num_agents].copy()
+
+    @property
+    def load_share(self) -> LoadShare:
+        """Each agent's share of what the agents apply together, whatever surroundings give."""
+        return share_of_load(self.applied, self.team.decomposer().grips)
+
+    @property
+    def share_or_even(self) -> ShareOrEven:
+        """`load_share` with 1/n in place of NaN, and whether shares are defined."""
+        if not self._shares:
+            self._shares.append(share_or_even(self.applied, self.team.decomposer().grips))
+        return self._shares[0]
 
     @property
     def power(self) -> Power:

@@ -76,7 +76,7 @@ class InternalForce:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        internal = _decomposition(transition, self.settings).internal
+        internal = transition.of_agents(_decomposition(transition, self.settings).internal)
         return -self.weight * np.hypot(internal[..., 0], internal[..., 1])
 
 
@@ -96,7 +96,7 @@ class InternalTorque:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        internal = _decomposition(transition, self.settings).internal
+        internal = transition.of_agents(_decomposition(transition, self.settings).internal)
         torque = moment(transition.team.grips, internal)[..., 0] + internal[..., 2]
         return -self.weight * np.abs(torque)
 
@@ -189,7 +189,7 @@ class LoadShare:
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
         self.check(transition.team.num_agents)
-        share = getattr(transition.decomposition.load_share, self.of)
+        share = getattr(transition.load_share, self.of)
         wanted = 1 / transition.team.num_agents if self.wanted is None else np.asarray(self.wanted)
         if self.scale is None:
             return np.nan_to_num(-self.weight * np.abs(share - wanted), nan=0.0)

@@ -62,6 +62,8 @@ def test_a_start_led_to_nothing_yet():
         "applied",
         "contact_impulse",
         "contact_shift",
+        "surroundings_wrench",
+        "wheel_force",
         "success",
         "terminated",
         "truncated",
@@ -102,8 +104,9 @@ def test_worlds_are_put_into_a_transition_in_their_order(worlds):
         }),
         conditions=source,
     )  # fmt: skip
-    for name in ("previous_action", "applied", "contact_impulse", "contact_shift", "success",
-                 "terminated", "truncated"):  # fmt: skip
+    for name in ("previous_action", "applied", "contact_impulse", "contact_shift",
+                 "surroundings_wrench", "wheel_force", "success", "terminated",
+                 "truncated"):  # fmt: skip
         other = replace(other, **{name: getattr(into, name)[rows]})
     other = replace(other, next_state=other.state)
     merged = into.with_worlds(rows, other, core.conditions)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 import torch
 
 from coopenv.errors import UnknownName
-from coopenv.info import POSES, Info
+from coopenv.info import TRIPLES, Info
 from coopenv.transport import Transport
 
 
@@ -66,7 +66,7 @@ class _Form(NamedTuple):
 
 def _form(name: str, value: npt.NDArray, learners: list[int]) -> _Form:
     count, kind = len(learners), np.bool_ if value.dtype == np.bool_ else np.float32
-    if value.ndim == 1 or name in POSES:
+    if value.ndim == 1 or name in TRIPLES:
         return _Form(kind, (len(value), 1, value[0].size), count, None)
     picked = learners if value.shape[1] > count else None
     return _Form(kind, (len(value), count, *(value.shape[2:] or (1,))), 1, picked)

@@ -102,7 +102,7 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
     A fresh array. What an agent is not told reads 0, a share that is not defined 1/n.
     """
     decomposition, state = transition.decomposition, transition.next_state
-    team, share = transition.team, decomposition.share_or_even
+    team, share = transition.team, transition.share_or_even
     num_worlds, num_agents = transition.applied.shape[:2]
     begin = _ends(num_agents)
     seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
@@ -111,7 +111,7 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
         (state.pose, state.twist, state.goal),
         transition.conditions.told,
         team.frame,
-        (transition.applied, decomposition.internal),
+        (transition.applied, transition.of_agents(decomposition.internal)),
         (share.force, share.torque),
         decomposition.relative_cost,
         seen,

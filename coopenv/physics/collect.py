@@ -7,10 +7,11 @@ from coopenv.geometry.frames import rotated_back
 from coopenv.physics.coefficients import CONTACT, HEAVY, INERTIA, LENT, MASS, REACH, RUBS, WHEELS
 from coopenv.physics.contacts import spent, yielded
 from coopenv.physics.motion import drive
+from coopenv.physics.surroundings import add_contacts
 
 
 @compiled
-def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
+def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around):
     """Read pymunk's buffer back and add up what contacts did to each body.
 
     The impulse of a substep is the least total of contact impulses that explains the change of
@@ -33,8 +34,9 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
         and y a body may be.
     report
         ``(row, 6)``: position, angle, velocity, angular velocity.
-    pose, twist, impulse, shift
-        ``(world, 3)`` twice and ``(world,)`` twice, written; impulse and shift are added.
+    pose, twist, impulse, shift, around
+        ``(world, 3)`` twice, ``(world,)`` twice and ``(world, 4)``, written; the last three are
+        added. ``around`` is what `coopenv.physics.surroundings` says, object frame.
 
     Returns
     -------
@@ -45,23 +47,25 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
         at = report[rows[k]]
         origin_x, origin_y, farthest_x, farthest_y = rooms[k]
         pose[k, 0], pose[k, 1], pose[k, 2] = at[0] - origin_x, at[1] - origin_y, at[2]
-        shift[k] += _shifted(table, k, at, expected, pose)
+        moved = _shifted(table, k, at, expected, pose)
+        shift[k] += moved
         dx, dy, spin = at[3] - expected[k, 0], at[4] - expected[k, 1], at[5] - expected[k, 2]
         speed = np.sqrt(dx * dx + dy * dy)
         rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
-        c, s, rolling = 1.0, 0.0, 0.0
+        c, s, rolling, pressed = 1.0, 0.0, 0.0, 0.0
+        touched = speed > rounding or abs(spin) > rounding
         if table[k, WHEELS]:  # where it heads is not as foreseen while pymunk parts what overlaps
             c, s = np.cos(at[2]), np.sin(at[2])
             rolling, _ = rotated_back(c, s, expected[k, 0], expected[k, 1])
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
-        if speed > rounding or abs(spin) > rounding:
+        if touched:
             push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / table[k, REACH])
             mass, inertia = table[k, MASS], table[k, INERTIA]
             vx, vy = expected[k, 0], expected[k, 1]
             if table[k, WHEELS]:
-                along, _ = rotated_back(c, s, dx, dy)
+                along, pressed = rotated_back(c, s, dx, dy)
                 along, spin, factor = yielded(mass, inertia, along, dx, dy, spin)
-                push *= factor
+                push, pressed = factor * push, factor * mass * pressed
                 vx, vy, dx, dy = rolling, 0.0, along, 0.0  # along its x and across
             part = spent(mass, inertia, (vx, vy, expected[k, 2]), (dx, dy, spin))
             if part < 1 or table[k, WHEELS]:
@@ -69,6 +73,7 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
                 twist[k, 2] = expected[k, 2] + part * spin
                 rolling = twist[k, 0]
             impulse[k] += part * push
+            pressed *= part
             if table[k, HEAVY]:
                 for i in range(3):
                     expected[k, CONTACT + i] = twist[k, i] - expected[k, i]
@@ -78,9 +83,13 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift):
                     expected[k, 0], expected[k, 1], expected[k, 2],
                 )  # fmt: skip
             if table[k, HEAVY]:
-                impulse[k] += _let_go(table, k, expected, twist)
+                borne = _let_go(table, k, expected, twist)
+                impulse[k] += borne
+                touched = borne > 0.0
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
+        if touched or moved > 0.0:
+            add_contacts(table, k, expected, pose, twist, pressed, around)
         if not (abs(pose[k, 0]) <= farthest_x and abs(pose[k, 1]) <= farthest_y):  # or NaN
             lost = k
     return lost
@@ -125,7 +134,7 @@ def collect_and_drive(rows, table, rooms, buffers, expected, reached, wrench, st
     ``buffers`` are report and command, ``reached`` what `collect` writes; the rest as there.
     """
     report, command = buffers
-    pose, twist, impulse, shift = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift)
-    drive(rows, table, pose, twist, wrench, step, command, expected)
+    pose, twist, impulse, shift, around = reached
+    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around)
+    drive(rows, table, pose, twist, wrench, step, command, expected, around)
     return lost

@@ -53,6 +53,7 @@ from coopenv.physics.coefficients import (
 )
 from coopenv.physics.contacts import lasting
 from coopenv.physics.friction import rubbed
+from coopenv.physics.surroundings import add_wheels
 
 
 class Motion(NamedTuple):
@@ -100,6 +101,14 @@ def roll(table, k, motion):
     speed = table[k, DECAY] * speed + table[k, COAST] / table[k, MASS] * motion.fx
     end = motion.angle + turn
     return dx, dy, turn, speed * np.cos(end), speed * np.sin(end), spin
+
+
+@inlined
+def roll_on(table, k, motion, end_spin, step, around):
+    """Add what wheels hold over a free substep at whose end the spin is ``end_spin``."""
+    speed, _ = rotated_back(np.cos(motion.angle), np.sin(motion.angle), motion.vx, motion.vy)
+    rolling, push = (speed, motion.spin, end_spin), (motion.fx, motion.fy)
+    add_wheels(table, k, rolling, push, step, around)
 
 
 @inlined
@@ -178,7 +187,7 @@ def _rubbed(table, k, motion, moved, step):
 
 
 @compiled
-def drive(rows, table, pose, twist, wrench, step, command, expected):
+def drive(rows, table, pose, twist, wrench, step, command, expected, around):
     """Fill pymunk's buffer so that its own integrator lands where `advance` does.
 
     Chipmunk moves each body by its velocity, then finds contacts, then accelerates it. So the
@@ -200,6 +209,8 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
         ``(world, 6)``, or ``(world, NUM_EXPECTED)`` where there is gravity: written, twist and
         pose at the end if nothing is touched. Of the rest, what contacts did in the substep before
         is read.
+    around
+        ``(world, 4)``: what wheels hold is added; see `coopenv.physics.surroundings`.
     """
     for k in range(len(rows)):
         motion = Motion(
@@ -208,6 +219,7 @@ def drive(rows, table, pose, twist, wrench, step, command, expected):
         )  # fmt: skip
         if table[k, WHEELS]:
             dx, dy, turn, vx, vy, spin = roll(table, k, motion)
+            roll_on(table, k, motion, spin, step, around)
         else:
             dx, dy, turn, vx, vy, spin = advance(table, k, motion)
             if table[k, HEAVY]:

@@ -116,10 +116,10 @@ class Shard:
         reached: tuple[FloatArray, ...],
         substeps: int,
     ) -> None:
-        """Go on from pose and twist under a wrench; writes pose, twist, impulse and shift."""
+        """Go on from pose and twist under a wrench; writes what `collect.collect` does."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        pose, (wrench,), buffers = reached[0], under, (self._report, self._command)
-        motion.drive(rows, table, *start, wrench, substep, self._command, expected)
+        (pose, *_, around), (wrench,), buffers = reached, under, (self._report, self._command)
+        motion.drive(rows, table, *start, wrench, substep, self._command, expected, around)
         for _ in range(substeps - 1):
             self._move()
             lost = collect.collect_and_drive(
@@ -139,8 +139,9 @@ class Shard:
     ) -> None:
         """`step` under what hands give, the arrays of a `coopenv.physics.compliance.Hold`."""
         rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        pose, share, buffers = reached[0], 1 / substeps, (self._report, self._command)
-        compliance.hold(rows, table, *start, hands, substep, share, self._command, expected)
+        (pose, *_, around), share = reached, 1 / substeps
+        buffers = self._report, self._command
+        compliance.hold(rows, table, *start, hands, substep, share, self._command, expected, around)
         for _ in range(substeps - 1):
             self._move()
             lost = compliance.collect_and_hold(

@@ -10,11 +10,12 @@ from coopenv.physics.body import Body
 from coopenv.physics.compliance import Hold
 from coopenv.physics.scene import Scene
 from coopenv.physics.shard import Shard, Space
+from coopenv.physics.surroundings import NUM_GIVEN
 from coopenv.physics.threads import side_by_side
 
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
 
-_STATE = ("pose", "twist", "contact_impulse", "contact_shift")
+_STATE = ("pose", "twist", "contact_impulse", "contact_shift", "given")
 
 
 class World:
@@ -42,6 +43,10 @@ class World:
     contact_shift
         ``(world,)`` [m] how far the parting of overlaps moved the body during the last `step`, its
         farthest point at most; no impulse tells of that. See the same.
+    given
+        ``(world, 4)`` what surroundings gave the body during the last `step`, mean over it, object
+        frame: the wrench of contacts and wheels at the centre of mass, and the force of the wheels
+        alone, along y [N, N, N·m, N]; see `coopenv.physics.surroundings`.
     """
 
     def __init__(
@@ -55,11 +60,12 @@ class World:
     ):
         self.bodies, self.scenes = tuple(bodies), tuple(scenes)
         self.num_worlds = len(self.bodies)
-        self.substeps, self.substep = substeps, dt / substeps
+        self.substeps, self.substep, self._dt = substeps, dt / substeps, dt
         self.pose = np.zeros((self.num_worlds, 3))
         self.twist = np.zeros((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
         self.contact_shift = np.zeros(self.num_worlds)
+        self.given = np.zeros((self.num_worlds, NUM_GIVEN))
         reach = max(body.reach for body in self.bodies) if reach is None else reach
         self._shards = [
             Shard(
@@ -96,9 +102,9 @@ class World:
         """Put the bodies of ``worlds`` at ``pose`` ``(len(worlds), 3)``, at rest and untouched."""
         self.pose, self.twist = self.pose.copy(), self.twist.copy()
         self.contact_impulse = self.contact_impulse.copy()
-        self.contact_shift = self.contact_shift.copy()
+        self.contact_shift, self.given = self.contact_shift.copy(), self.given.copy()
         self.pose[worlds], self.twist[worlds] = pose, 0
-        self.contact_impulse[worlds] = self.contact_shift[worlds] = 0
+        self.contact_impulse[worlds] = self.contact_shift[worlds] = self.given[worlds] = 0
         for number, shard in enumerate(self._shards):
             inside = worlds // SHARD_SIZE == number
             if inside.any():
@@ -156,8 +162,8 @@ class World:
     def step(self, wrench: FloatArray) -> None:
         """Advance one control step under ``wrench`` ``(world, 3)`` [N, N·m], held in object frame.
 
-        `pose`, `twist`, `contact_impulse` and `contact_shift` become fresh arrays; the old ones
-        stay as they were.
+        `pose`, `twist`, `contact_impulse`, `contact_shift` and `given` become fresh arrays; the
+        old ones stay as they were.
 
         Raises
         ------
@@ -183,10 +189,22 @@ class World:
         self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
         self.contact_shift = np.zeros(self.num_worlds)
-        reached = self.pose, self.twist, self.contact_impulse, self.contact_shift
+        self.given = np.zeros((self.num_worlds, NUM_GIVEN))
+        reached = self.pose, self.twist, self.contact_impulse, self.contact_shift, self.given
         if len(self._shards) == 1:  # as below, without slicing, which one world would feel
             shard_step(self._shards[0], start, under, reached, self.substeps)
-            return
+        else:
+            self._in_shards(shard_step, start, under, reached)
+        self.given /= self._dt
+
+    def _in_shards(
+        self,
+        shard_step: Callable[..., None],
+        start: tuple[FloatArray, ...],
+        under: tuple[FloatArray, ...],
+        reached: tuple[FloatArray, ...],
+    ) -> None:
+        """Step each shard with its rows of all arrays."""
 
         def advance(number: int) -> None:
             part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)

@@ -93,10 +93,11 @@ class Caption:
             end = x + text_width(line, self._size) + 1
             with canvas.fine((x, y - 0.7 * self._size, end, y + 0.7 * self._size)) as pen:
                 pen.text(x, y, line, self._size, TEXT)
+        shares = transition.load_share.force[world]
         for agent, (x, y) in enumerate(self._shares):
             start, end = self._at(x, SPAN[0]), self._at(x, SPAN[1]) + 6 * self._unit + self._number
             with canvas.fine((start, y - 0.7 * self._size, end, y + 0.7 * self._size)) as pen:
-                self._write_share(pen, agent, x, y, decomposition.load_share.force[world, agent])
+                self._write_share(pen, agent, x, y, shares[agent])
 
     def _write_share(self, pen: Pen, agent: int, x: float, y: float, share: float) -> None:
         unit, defined = self._unit, isfinite(share)

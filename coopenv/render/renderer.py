@@ -229,7 +229,8 @@ class Renderer:
     def _draw_wrenches(self, transition: Transition) -> None:
         k, unit = self.world, self._unit
         pose = transition.next_state.pose[k]
-        wrenches = np.stack([transition.applied[k], transition.decomposition.internal[k]])
+        internal = transition.of_agents(transition.decomposition.internal)
+        wrenches = np.stack([transition.applied[k], internal[k]])
         force_limit, torque_limit = transition.team.limits[k].max(axis=0)
         longest = max(0.8 * self.body.reach, 0.12 * min(self.scene.size))  # [m] at the limit
         to_pixels = self._scale * longest / force_limit * np.array([1, -1])  # [px/N]

@@ -15,6 +15,7 @@ from coopenv.info import CLIPPED, Info, cost_info, start_info, step_info, with_w
 from coopenv.observation import Observation
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
+from coopenv.physics.surroundings import WHEEL
 from coopenv.physics.world import World
 from coopenv.pushes import pushed
 from coopenv.resets import Draws
@@ -174,6 +175,8 @@ class SteppedWorlds:
             applied=given.applied,
             contact_impulse=self.world.contact_impulse,
             contact_shift=self.world.contact_shift,
+            surroundings_wrench=self.world.given[:, :3],
+            wheel_force=self.world.given[:, WHEEL],
             success=success,
             terminated=terminated,
             truncated=truncated,

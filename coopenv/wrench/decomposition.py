@@ -1,12 +1,13 @@
 """Decomposition of applied wrenches into manipulation wrenches and internal wrenches."""
 
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, finite_array
+from coopenv.errors import InvalidInput
 from coopenv.wrench import measures
 from coopenv.wrench.answer import Answer
 from coopenv.wrench.grasp import (
@@ -44,6 +45,7 @@ def decompose(
     include_induced: bool = False,
     virtual_masses: npt.ArrayLike | None = None,
     virtual_inertias: npt.ArrayLike | None = None,
+    surroundings: bool = False,
 ) -> "Decomposition":
     """Split applied wrenches into manipulation and internal wrenches, h = h_M + h_I (eq. 5).
 
@@ -56,6 +58,8 @@ def decompose(
         ``(..., n, 2)`` or ``(..., n, 3)``, broadcast against it, object frame [m].
     method, solver, torque_weight, include_induced, virtual_masses, virtual_inertias
         See `Settings`.
+    surroundings
+        Refused unless false: arrays know of no surroundings but those that are given as effectors.
 
     Returns
     -------
@@ -75,6 +79,7 @@ def decompose(
         include_induced=include_induced,
         virtual_masses=virtual_masses,  # pyright: ignore[reportArgumentType]  # made a tuple there
         virtual_inertias=virtual_inertias,  # pyright: ignore[reportArgumentType]
+        surroundings=surroundings,
     )
     return Decomposer(grips, settings)(finite_array(applied, "applied").copy())
 
@@ -88,7 +93,7 @@ class Decomposer:
         ``(..., n, 2)`` planar or ``(..., n, 3)`` spatial, object frame [m]; with a batch shape, one
         set per sample.
     settings
-        Which definition of internal wrench, which cost, which solver.
+        Which definition of internal wrench, which cost, which solver; without surroundings.
 
     Raises
     ------
@@ -100,6 +105,12 @@ class Decomposer:
 
     def __init__(self, grips: npt.ArrayLike, settings: Settings | None = None):
         settings = Settings() if settings is None else settings
+        if settings.surroundings:
+            raise InvalidInput(
+                "surroundings must be False for wrenches in arrays, got True; only environments "
+                "know their surroundings: give what they apply as one more effector, with the "
+                "place where it acts as its grip"
+            )
         self.grips = checked_grips(grips).copy()
         self.grips.flags.writeable = False
         self.settings = settings
@@ -111,6 +122,16 @@ class Decomposer:
 
     def __reduce__(self):
         return Decomposer, (self.grips, self.settings)
+
+    def answer(self, applied: FloatArray) -> Answer:
+        """What the method answers to wrenches as a call takes them, without a `Decomposition`."""
+        if applied.shape[-2:] != self._core_shape or self.grips.ndim > 2:
+            require_wrench_per_grip(applied, self.grips)
+        return self._solve(applied)
+
+    def of_worlds(self, worlds: BoolArray) -> "Decomposer":
+        """That of some worlds ``(world,)``: itself, if all have the same grips."""
+        return self if self.grips.ndim == 2 else Decomposer(self.grips[worlds], self.settings)
 
     def __call__(self, applied: FloatArray) -> "Decomposition":
         """Decompose wrenches whose numbers were checked before.
@@ -126,12 +147,19 @@ class Decomposer:
         InvalidInput
             If the shape does not go with the grips.
         """
-        if applied.shape[-2:] != self._core_shape or self.grips.ndim > 2:
-            require_wrench_per_grip(applied, self.grips)
-        answer = self._solve(applied)
+        answer = self.answer(applied)
         if answer.manipulation.shape != applied.shape:
             applied = np.broadcast_to(applied, answer.manipulation.shape)
         return Decomposition(applied, answer, self)
+
+
+class Surrounded(NamedTuple):
+    """Agents and what surrounds the object as effectors, in the place of a `Decomposer`."""
+
+    grips: FloatArray  # (world, n + 1, 2) [m]
+    settings: Settings
+    solver: str
+    level_parameters: FloatArray
 
 
 class _once(Generic[Value]):  # noqa: N801  # a decorator
@@ -168,7 +196,7 @@ class Decomposition:
         none.
     """
 
-    def __init__(self, applied: FloatArray, answer: Answer, decomposer: Decomposer):
+    def __init__(self, applied: FloatArray, answer: Answer, decomposer: "Decomposer | Surrounded"):
         self.applied = applied
         self.manipulation = answer.manipulation
         self._answer = answer

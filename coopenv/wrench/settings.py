@@ -1,6 +1,6 @@
 """Settings of a decomposition: definition of internal wrench, weights of the cost, solver."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
@@ -29,6 +29,10 @@ Solver: TypeAlias = Literal["auto", "pair", "structured", "conic"]
 PLAUSIBLE: frozenset[Method] = frozenset({"optimal", "prioritized_torque", "one_dimensional"})
 """Methods that satisfy eqs. 9-11 for every input, so that the relative cost lies in [0, 1]."""
 
+WITH_SURROUNDINGS: tuple[Method, ...] = ("optimal", "point_mass")
+"""Methods for any number of effectors that let one which gives nothing have no part: so what
+touches the object ever so little is no other case than what does not touch it."""
+
 Nested = float | tuple["Nested", ...]
 
 
@@ -52,6 +56,10 @@ class Settings:
     virtual_masses, virtual_inertias
         For ``method="parametrized"``: m_i* ``(n,)`` [kg] and J_i* ``(n,)``, in space also
         ``(n, 3, 3)`` [kg m²]; all 1 by default. Any nesting of sequences; kept as tuples.
+    surroundings
+        In an environment: whether contacts and wheels are one effector more
+        (`coopenv.physics.surroundings`), so that what they cancel counts as internal. For the
+        methods in `WITH_SURROUNDINGS`.
 
     Raises
     ------
@@ -67,6 +75,7 @@ class Settings:
     solver: str = "auto"
     virtual_masses: tuple[float, ...] | None = None  # [kg]
     virtual_inertias: tuple[Nested, ...] | None = None  # [kg m²]
+    surroundings: bool = False
 
     def __post_init__(self):
         for name, known in (("method", get_args(Method)), ("solver", get_args(Solver))):
@@ -85,13 +94,13 @@ class Settings:
                 "the wrench has no cost: take a value close to it, or 0.5"
             )
         object.__setattr__(self, "torque_weight", weight)
-        if not isinstance(self.include_induced, bool | int | np.bool_) or (
-            self.include_induced not in (0, 1)
-        ):
-            raise InvalidInput(
-                f"include_induced must be True or False, got {self.include_induced!r}; pass a bool"
-            )
-        object.__setattr__(self, "include_induced", bool(self.include_induced))
+        for name in ("include_induced", "surroundings"):
+            value = getattr(self, name)
+            if not isinstance(value, bool | int | np.bool_) or value not in (0, 1):
+                raise InvalidInput(f"{name} must be True or False, got {value!r}; pass a bool")
+            object.__setattr__(self, name, bool(value))
+        if self.surroundings:
+            self._check_surroundings()
         for name in ("virtual_masses", "virtual_inertias"):
             self._freeze(name)
 
@@ -99,6 +108,24 @@ class Settings:
     def plausible(self) -> bool:
         """Whether the method never claims that an effector did what it did not (eqs. 9-11)."""
         return self.method in PLAUSIBLE
+
+    @property
+    def of_agents(self) -> "Settings":
+        """The same without surroundings."""
+        return replace(self, surroundings=False) if self.surroundings else self
+
+    def _check_surroundings(self) -> None:
+        if self.method not in WITH_SURROUNDINGS:
+            raise InvalidInput(
+                f"surroundings must be False for method={self.method!r}, got True; only "
+                f"{' and '.join(map(repr, WITH_SURROUNDINGS))} take an effector that may give "
+                "nothing, anywhere on the body"
+            )
+        if self.solver == "pair":
+            raise InvalidInput(
+                "solver must not be 'pair' with surroundings=True, which are one effector more, "
+                "got 'pair'; leave it out: 'auto' takes 'pair' where nothing is touched"
+            )
 
     def _freeze(self, name: str) -> None:
         value = getattr(self, name)

@@ -172,6 +172,16 @@ def test_a_method_that_does_not_go_with_the_file_is_refused_and_nothing_is_writt
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
 
 
+def test_surroundings_of_which_a_file_says_nothing_are_refused_and_nothing_is_written(tmp_path):
+    path = cases.save(cases.planar(), tmp_path / "a.csv")
+    asked = wrench.Settings(surroundings=True)
+    with pytest.raises(InvalidInput, match=r"surroundings must be False .* one more effector"):
+        decompose_file(path, layout=BEAM, settings=asked)
+    with pytest.raises(InvalidInput, match="surroundings must be False"):
+        analyse(read(path, layout=BEAM), asked)
+    assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
+
+
 def test_a_late_bad_row_leaves_neither_table_nor_picture(tmp_path, monkeypatch):
     monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 512)
     columns = cases.planar(100)

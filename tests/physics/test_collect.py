@@ -5,13 +5,15 @@ import pytest
 
 from coopenv.physics import collect
 from coopenv.physics.coefficients import coefficients
+from coopenv.physics.surroundings import NUM_GIVEN, WHEEL
 
 MASS, INERTIA, REACH = 2.0, 3.0, 0.5  # [kg], [kg·m²], [m]
 EXPECTED = [0.5, -0.2, 0.1, 1.0, 2.0, 0.3]  # twist and pose without contact
 
 
-def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0)):
-    """Pose, twist, impulse, shift, and the world that is lost."""
+def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0), around=None):
+    """Pose, twist, impulse, shift, and the world that is lost; what surroundings gave, added."""
+    around = np.zeros((1, NUM_GIVEN)) if around is None else around
     one = np.ones(1)
     table = coefficients(
         MASS * one, INERTIA * one, 0 * one, 0 * one, 0.02, np.array([wheels]), REACH * one
@@ -22,7 +24,7 @@ def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0)):
     report[2] = np.add(reported, [*origin, 0, 0, 0, 0])
     lost = collect.collect(
         np.array([2]), table, np.array([[*origin, 5.0, 4.0]]), report, np.array([EXPECTED]),
-        pose, twist, impulse, shift,
+        pose, twist, impulse, shift, around,
     )  # fmt: skip
     return pose[0], twist[0], impulse[0], shift[0], lost
 
@@ -87,7 +89,8 @@ def test_on_wheels_the_velocity_stays_along_the_heading_and_the_impulse_grows_by
     rolling = along @ EXPECTED[:2]
     change = np.array([-0.1, 0.15])
     reported = [1.0, 2.0, heading, *(EXPECTED[:2] + change), 0.05]
-    _, twist, impulse, _, _ = collected(reported, wheels=True)
+    around = np.zeros((1, NUM_GIVEN))
+    _, twist, impulse, _, _ = collected(reported, wheels=True, around=around)
     rolled, turned = along @ change, -0.05
     free = MASS * change @ change + INERTIA * turned**2
     factor = free / (MASS * rolled**2 + INERTIA * turned**2)
@@ -100,3 +103,24 @@ def test_on_wheels_the_velocity_stays_along_the_heading_and_the_impulse_grows_by
     np.testing.assert_allclose(twist, [*(speed * along), EXPECTED[2] + part * delta[1]], atol=1e-12)
     push = factor * max(MASS * np.linalg.norm(change), INERTIA * 0.05 / REACH)
     assert impulse == pytest.approx(part * push)
+    pressed = part * factor * MASS * np.array([rolled, across(heading) @ change])
+    gave = MASS * (twist[:2] - EXPECTED[:2])
+    np.testing.assert_allclose(around[0, 0], pressed[0], atol=1e-12)
+    np.testing.assert_allclose(around[0, 1], across(heading) @ gave, atol=1e-12)
+    np.testing.assert_allclose(around[0, 2], INERTIA * part * delta[1], atol=1e-12)
+    # Of what is across, the wheels give what contacts do not: they hold what presses on them.
+    np.testing.assert_allclose(around[0, WHEEL], around[0, 1] - pressed[1], atol=1e-12)
+    assert abs(pressed[1]) > 0.1
+
+
+def across(angle):
+    return np.array([-np.sin(angle), np.cos(angle)])
+
+
+def test_what_surroundings_gave_is_the_change_of_momentum_in_the_bodys_frame():
+    around = np.ones((1, NUM_GIVEN))
+    collected([1.0, 2.0, 0.3, 0.2, 0.1, -0.05], around=around)
+    along = np.array([np.cos(0.3), np.sin(0.3)])
+    change = MASS * np.array([-0.3, 0.3])
+    wanted = [along @ change, across(0.3) @ change, INERTIA * -0.15, 0.0]
+    np.testing.assert_allclose(around[0] - 1, wanted, atol=1e-12)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from coopenv import Body, Scene
 from coopenv.physics import collect, contacts
 from coopenv.physics.coefficients import coefficients
+from coopenv.physics.surroundings import NUM_GIVEN
 from coopenv.physics.world import World
 
 SUBSTEP = 0.025  # [s]
@@ -33,8 +34,9 @@ def collected(expected, reported, *, wheels):
     pose, twist, impulse, shift = np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1), np.zeros(1)
     rows, rooms = np.zeros(1, dtype=np.int64), np.array([[0.0, 0.0, 9.0, 9.0]])
     collect.collect(
-        rows, table, rooms, np.array([reported]), np.array([expected]), pose, twist, impulse, shift
-    )
+        rows, table, rooms, np.array([reported]), np.array([expected]),
+        pose, twist, impulse, shift, np.zeros((1, NUM_GIVEN)),
+    )  # fmt: skip
     return twist[0], impulse[0]
 
 

@@ -18,6 +18,7 @@ from coopenv.envs.registry import find_config
 from coopenv.physics import motion
 from coopenv.physics.coefficients import NUM_EXPECTED, coefficients
 from coopenv.physics.friction import held
+from coopenv.physics.surroundings import NUM_GIVEN
 from coopenv.physics.world import World
 from coopenv.wrench.grasp import sum_at_centre
 
@@ -181,5 +182,6 @@ class _Motion:
         """One substep later if nothing is touched: ``(world,)`` [J]; all else ``(world, 3)``."""
         rows, expected = np.arange(len(pose)), np.zeros((len(pose), NUM_EXPECTED))
         command = np.empty((len(pose), 6))
-        motion.drive(rows, self._table, pose, twist, wrench, self._step, command, expected)
+        around = np.zeros((len(pose), NUM_GIVEN))
+        motion.drive(rows, self._table, pose, twist, wrench, self._step, command, expected, around)
         return self.energy(expected[:, :3])

@@ -246,3 +246,14 @@ def test_bad_names_and_grips_are_refused():
         wrench.decompose(wrenches(), BEAM, torque_weight=1.0)
     with pytest.raises(TypeError, match="torqe_weight"):
         wrench.decompose(wrenches(), BEAM, torqe_weight=0.5)  # pyright: ignore[reportCallIssue]
+
+
+def test_surroundings_that_no_array_tells_of_are_refused():
+    for asked in (
+        lambda: wrench.decompose(wrenches(), BEAM, surroundings=True),
+        lambda: wrench.Decomposer(BEAM, wrench.Settings(surroundings=True)),
+    ):
+        with pytest.raises(InvalidInput, match=r"surroundings must be False .* one more effector"):
+            asked()
+    plain = wrench.decompose(wrenches(), BEAM, surroundings=False)
+    np.testing.assert_array_equal(plain.internal, wrench.decompose(wrenches(), BEAM).internal)

@@ -35,7 +35,7 @@ from coopenv.physics.compliance.block import (
 from coopenv.physics.compliance.equilibrium import met, rolled
 from coopenv.physics.compliance.leash import let_go_on
 from coopenv.physics.compliance.sliding import slid
-from coopenv.physics.motion import Motion, command_to, roll
+from coopenv.physics.motion import Motion, command_to, roll, roll_on
 
 
 class Hold(NamedTuple):
@@ -57,11 +57,12 @@ class Hold(NamedTuple):
 
 
 @compiled
-def hold(rows, table, pose, twist, hands, step, share, command, expected):
+def hold(rows, table, pose, twist, hands, step, share, command, expected, around):
     """`coopenv.physics.motion.drive` for bodies that hands hold.
 
     ``hands`` are the fields of a `Hold`, of which references go on by a substep and the mean wrench
-    grows by ``share`` of what is given in it.
+    grows by ``share`` of what is given in it. What wheels hold is added to ``around``
+    (`coopenv.physics.surroundings`).
     """
     num_agents = hands[3].shape[1]
     world, agents = np.empty((WORLD_FIELDS, LANES)), np.empty((num_agents, AGENT_FIELDS, LANES))
@@ -82,7 +83,11 @@ def hold(rows, table, pose, twist, hands, step, share, command, expected):
                 k = first + at
                 if ground(table, k) == kind:
                     free = _moved(kind, table, k, world, at, agents)
-                    _give(k, at, world, agents, hands, share)
+                    along, across = _give(k, at, world, agents, hands, share)
+                    if kind == ROLLING:
+                        start = pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2]
+                        motion = Motion(*start, along, across, 0.0)
+                        roll_on(table, k, motion, free[5], step, around)
                     command_to(table, k, rows[k], pose, step, free, command, expected)
 
 
@@ -138,23 +143,30 @@ def _moved(kind, table, k, world, at, agents):
 
 @inlined
 def _give(k, at, world, agents, hands, share):
-    """Add what hands give in a substep to their mean wrench, and write where references are."""
+    """Add what hands give in a substep to their mean wrench, and write where references are.
+
+    Returns the sum of their forces, object frame [N].
+    """
     _, _, _, _, held, reference, _, applied, _, _ = hands
     c, s, chord = world[MIDDLE, at], world[MIDDLE + 1, at], world[CHORD, at]
+    along = across = 0.0
     for i in range(len(agents)):
         x, y = rotated_back(c, s, agents[i, FORCE, at], agents[i, FORCE + 1, at])
-        applied[k, i, 0] += share * (chord * x + held[k, i, 0])
-        applied[k, i, 1] += share * (chord * y + held[k, i, 1])
+        x, y = chord * x + held[k, i, 0], chord * y + held[k, i, 1]
+        along, across = along + x, across + y
+        applied[k, i, 0] += share * x
+        applied[k, i, 1] += share * y
         applied[k, i, 2] += share * (agents[i, FORCE + 2, at] + held[k, i, 2])
         for j in range(3):
             reference[k, i, j] = agents[i, REFERENCE + j, at]
+    return along, across
 
 
 @compiled
 def collect_and_hold(rows, table, rooms, buffers, expected, reached, hands, step, share):
     """`collect` one substep and `hold` the next, in one call from Python."""
     report, command = buffers
-    pose, twist, impulse, shift = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift)
-    hold(rows, table, pose, twist, hands, step, share, command, expected)
+    pose, twist, impulse, shift, around = reached
+    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around)
+    hold(rows, table, pose, twist, hands, step, share, command, expected, around)
     return lost
