@@ -6,9 +6,11 @@ from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled, inlined
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.geometry.frames import rotated_back
-from coopenv.physics.hands import SPEED, TURN_RATE
+from coopenv.physics.hands import SPEED
 from coopenv.transition import Transition
 from coopenv.wrench.grasp import grasp_matrix
+
+from .guidance import triple
 
 REACH = 0.8  # of a hand's speed that a plan may ask for; what is left makes forces
 
@@ -82,24 +84,29 @@ class HandMotions:
         return out
 
 
+@inlined
+def paced_twist(wanted, pose, k, grips, fastest):
+    """One of `paced`, that of world ``k``; ``fastest`` are speeds and turn rates of its hands."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    vx, vy = rotated_back(c, s, wanted[0], wanted[1])
+    spin, most = wanted[2], 1.0
+    for i in range(grips.shape[1]):
+        x, y = vx - spin * grips[k, i, 1], vy + spin * grips[k, i, 0]
+        most = max(most, np.sqrt(x * x + y * y) / (REACH * fastest[k, i, 0]))
+        most = max(most, abs(spin) / (REACH * fastest[k, i, 1]))
+    return wanted[0] / most, wanted[1] / most, spin / most
+
+
 @compiled
-def paced(wanted, pose, grips, hands):
+def paced(wanted, pose, grips, fastest):
     """Twists ``(world, 3)``, world frame, slowed down to what every hand can follow.
 
     Both parts alike, so that the object's path stays as it is; each hand keeps `REACH` of its speed
-    and turn rate.
+    and turn rate, ``fastest`` ``(world, agent, 2)``.
     """
     slowed = np.empty_like(wanted)
     for k in range(len(wanted)):
-        c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
-        vx, vy = rotated_back(c, s, wanted[k, 0], wanted[k, 1])
-        fastest = 1.0
-        for i in range(grips.shape[1]):
-            x, y = vx - wanted[k, 2] * grips[k, i, 1], vy + wanted[k, 2] * grips[k, i, 0]
-            fastest = max(fastest, np.hypot(x, y) / (REACH * hands[k, i, SPEED]))
-            fastest = max(fastest, abs(wanted[k, 2]) / (REACH * hands[k, i, TURN_RATE]))
-        for j in range(3):
-            slowed[k, j] = wanted[k, j] / fastest
+        slowed[k] = paced_twist(triple(wanted, k), triple(pose, k), k, grips, fastest)
     return slowed
 
 

@@ -9,6 +9,7 @@ from coopenv.arrays import FloatArray
 from coopenv.conditions import Conditions
 from coopenv.config import TransportConfig
 from coopenv.geometry.frames import rotated_back
+from coopenv.physics.hands import SPEED
 from coopenv.transition import Transition
 
 from .hand_motions import HandMotions, paced
@@ -71,7 +72,7 @@ class MotionController:
         """Wrench of the object ``(world, 3)``, object frame, and acceleration, world frame."""
         state, team, load = transition.next_state, transition.team, transition.conditions.load
         twist, acceleration = self.guide.wanted_motion(transition)
-        twist = paced(twist, state.pose, team.grips, team.hands)
+        twist = paced(twist, state.pose, team.grips, team.hands[..., SPEED:])
         acceleration = acceleration + self.gains.damping * (twist - state.twist)
         inertia = np.stack([load.mass, load.mass, load.inertia], axis=-1)
         drag = np.stack([load.linear_drag, load.linear_drag, load.angular_drag], axis=-1)

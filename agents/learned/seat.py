@@ -12,6 +12,7 @@ from typing import Any
 from coopenv.arrays import FloatArray
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.config.document import KIND, VERSION, fields_in
+from coopenv.config.hands import BY_HANDS
 from coopenv.config.keywords import read_observe
 from coopenv.config.own_code import Trust
 from coopenv.errors import CoopenvError, InvalidInput
@@ -70,8 +71,10 @@ def seats(
     Raises
     ------
     InvalidInput
-        If it was trained on other sizes, for a team of another size, or as another kind of agent.
+        If it was trained on other sizes, for a team of another size, as another kind of agent, or
+        to move hands where wrenches are given here, or the other way round.
     """
+    _check_hands(part_of(notes, "environment").get("action"), config)
     counts = config.num_agents, len(agents)
     try:
         in_row = spaces.agents_in_row(counts, seen.size, ACTIONS[config.action])
@@ -117,6 +120,16 @@ def pushes_of(
             "got 'force'; choose another action"
         )
     return table
+
+
+def _check_hands(trained: Any, config: TransportConfig) -> None:
+    """Raise where only one of the two, the ``trained`` kind of actions or ours, is of hands."""
+    if trained is None or (trained in BY_HANDS) == (config.hands is not None):
+        return
+    raise InvalidInput(
+        f"action must move hands or give wrenches as in the training of the partner's policy, "
+        f"which learned with {trained!r}, got {config.action!r}; choose action={trained!r}"
+    )
 
 
 def _check_role(

@@ -65,8 +65,9 @@ class SteppedWorlds:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
-        self.handling = handling_of(self.config, self.num_worlds)
         self.driven = driven_agents(self.config, self.num_worlds)
+        has_hand = self.driven.have_hands(self.num_agents)
+        self.handling = handling_of(self.config, self.num_worlds, has_hand)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         self._task, self._has_moving_goal = self.config.task, self.config.task.moves

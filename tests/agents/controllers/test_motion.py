@@ -128,7 +128,7 @@ VELOCITY = st.floats(-3, 3)
 @settings(max_examples=50)
 @given(VELOCITY, VELOCITY, VELOCITY, st.floats(-4, 4))
 def test_a_plan_is_slowed_down_to_the_slowest_hand_and_keeps_its_path(vx, vy, spin, angle):
-    hands = Hands(speed=(1.0, 0.4), turn_rate=(2.0, 0.9)).table(2)[None]
+    hands = Hands(speed=(1.0, 0.4), turn_rate=(2.0, 0.9)).table(2)[None, :, 4:]
     wanted = np.array([[vx, vy, spin]])
     slowed = paced(wanted, np.array([[3.0, 2.0, angle]]), np.array([ASKEW]), hands)
     c, s = np.cos(angle), np.sin(angle)
