@@ -13,7 +13,7 @@ SEEN = TransportConfig(task=NEVER, observe=("goal", "twist", "own_wrench"), hori
 OTHER = replace(SEEN, observe=("time", "partner_wrench"))  # what the learner beside it sees
 
 
-def acting(name: str) -> dict[str, str]:
+def acting(name: str) -> dict[str, Any]:
     """Keywords under which a partner of that name can act."""
     return {"action": "motion"} if PARTNERS[name].needs_hands else {}
 
