@@ -55,6 +55,7 @@ def test_a_player_that_gives_actions_moves_its_hand_as_a_learner_does():
         assert free.transition is not None
         np.testing.assert_array_equal(driven.transition.applied, free.transition.applied)
         np.testing.assert_array_equal(driven.transition.stretch, free.transition.stretch)
+    assert driven.transition is not None
     np.testing.assert_array_equal(driven.transition.action[:, 1], [[0.5, -0.25, 1.0]] * 4)
 
 
@@ -96,7 +97,8 @@ def test_what_a_player_must_not_give_is_refused(partner, said):
 def test_who_acts_by_what_a_hand_feels_says_that_it_needs_one(kind):
     with pytest.raises(InvalidInput, match="action must be 'motion' or 'impedance' for a partner"):
         Transport(partner=kind)
-    assert hands(partner=kind, action="impedance").step(np.zeros((4, 1, 5)))
+    *_, info = hands(partner=kind, action="impedance").step(np.zeros((4, 1, 5)))
+    assert np.isfinite(info["stored_energy"]).all()
 
 
 def test_a_policy_as_a_partner_moves_the_hands_that_it_drives():
@@ -109,6 +111,7 @@ def test_a_policy_as_a_partner_moves_the_hands_that_it_drives():
         free.step(moves)
         assert partnered.transition is not None
         assert_same(partnered.transition.applied, free.transition.applied)
+    assert free.transition is not None
     assert np.abs(free.transition.applied).max() > 1.0
 
 
