@@ -41,7 +41,7 @@ class Mover:
 
     def player(self, config, num_worlds, agents):
         player = SteadyPlayer(np.tile(self.given, (num_worlds, len(agents), 1)))
-        player.gives = self.gives
+        player.gives = self.gives  # pyright: ignore
         return player
 
 
