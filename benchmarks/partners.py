@@ -2,6 +2,7 @@
 
 python -m benchmarks.partners            # prints the tables; a few minutes of one core
 python -m benchmarks.partners --write    # and writes docs/partners.md
+python -m benchmarks.partners --hands    # the table of hands alone, with --write too
 """
 
 import sys
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 from rich.progress import track
 
-from benchmarks.pages import DOCS, fill, markdown
+from benchmarks.pages import DOCS, markdown, show
 from coopenv import TransportConfig
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.evaluate import run_episodes
@@ -22,7 +23,11 @@ from coopenv.transport import Transport
 PAGE = DOCS / "partners.md"
 EPISODES = 500  # a cell
 NOBODY = "nobody"  # a reference, no name of a partner
-KINDS: dict[str, Kind] = {NOBODY: LoadSharing(share=0.0), **PARTNERS}
+KINDS: dict[str, Kind] = {
+    NOBODY: LoadSharing(share=0.0),
+    **{name: kind for name, kind in PARTNERS.items() if not kind.needs_hands},
+}
+HANDS_EPISODES = 200  # a cell of the table of hands
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,10 +37,11 @@ class Place:
     env: str
     agents: tuple[int, ...] | None = None  # None: those that the task names
 
-    def config(self, partner: Kind | None) -> TransportConfig:
+    def config(self, partner: Kind | None, action: str = "wrench") -> TransportConfig:
         """The environment with that partner."""
         agents = self.agents if partner is not None else None
-        return find_config(f"coopenv/{self.env}-v0", {"partner": partner, "partner_agents": agents})
+        keywords = {"partner": partner, "partner_agents": agents, "action": action}
+        return find_config(f"coopenv/{self.env}-v0", keywords)
 
 
 PLACES = {
@@ -50,6 +56,7 @@ PLACES = {
 BEAMS = ("BeamTransport", "BeamDoorway", "BeamTracking")
 DRIVES = ("WalkerTurn, drive", "WalkerAvoid, drive")
 HUMANS = ("WalkerTurn", "WalkerAvoid")
+HELD = (*BEAMS, "BeamLift", *HUMANS)  # columns of the table of hands
 
 REASONS = {  # why a kind is not meant to succeed in a place
     "a": "It does nothing; what the scripted learner brings about with its own part alone.",
@@ -110,8 +117,19 @@ def measure_all() -> dict[tuple[str, str], Cell]:
     return {cell: measure(*cell) for cell in track(cells, "kind, place")}
 
 
+def hands_table(episodes: int = HANDS_EPISODES) -> str:
+    """Success and γ beside every kind, all by hands: the scripted controller as the learner."""
+    rows = []
+    for name, kind in track(PARTNERS.items(), "kind, by hands"):
+        configs = [Place(env=env).config(kind, "motion") for env in HELD]
+        seen = [run_episodes(find_controller(each), each, episodes=episodes) for each in configs]
+        cells = [f"{100 * one.success.mean():.1f}, {one.relative_cost.mean():.3f}" for one in seen]
+        rows.append([name, *cells])
+    return markdown(("partner", *HELD), rows)
+
+
 def tables(measured: Measured) -> dict[str, str]:
-    """The page's tables by the names of their marks."""
+    """The page's tables of wrenches by the names of their marks."""
     return {
         "success": _table(measured, _success),
         "reasons": reasons(),
@@ -143,10 +161,9 @@ def _success(kind: str, place: str, cell: Cell) -> str:
 
 def main() -> None:
     """Print the tables; with ``--write`` also put them on the page."""
-    made = tables(measure_all())
-    print("\n\n".join(made.values()))
-    if "--write" in sys.argv[1:]:
-        fill(PAGE, made)
+    wanted = sys.argv[1:]
+    made = {} if "--hands" in wanted else tables(measure_all())
+    show(PAGE, {**made, "by hands": hands_table()})
 
 
 if __name__ == "__main__":

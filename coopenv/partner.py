@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray
+from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 
 if TYPE_CHECKING:
     from coopenv.config import TransportConfig
 
 Generators = Sequence[np.random.Generator | None]
+_GIVEN = ("wrenches", "actions")
 
 
 @runtime_checkable
@@ -34,6 +36,9 @@ class Player(Protocol):
 
     It may read all of a transition, be it what a person could not see; what the implementations
     of `coopenv.agents.partners` make use of is said there.
+
+    With an attribute ``gives = "actions"`` it gives actions instead, of the kind that learners give
+    (see `gives_actions`): so it moves hands where the actions are motions.
     """
 
     @property
@@ -58,6 +63,9 @@ class Player(Protocol):
 
     def act(self, transition: Transition) -> FloatArray:
         """Wrenches ``(world, driven agent, 3)`` [N, N·m] for the next step, object frame.
+
+        Where it gives actions: those, ``(world, driven agent, action_size)`` in [−1, 1], in each
+        agent's frame; pushes as rows (fx, fy, tz) where learners choose among numbers.
 
         Called once a step, with the last one. They are clipped as everybody's actions are: each
         component to the agent's limit, in the agent's frame; and where agents give forces only
@@ -90,6 +98,23 @@ class StatefulPlayer(Player, Protocol):
     def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
         """Go on in ``worlds`` from what `get_state` returned, perhaps of another player."""
         ...
+
+
+def gives_actions(player: Player) -> bool:
+    """Whether a player gives actions; wrenches where its attribute ``gives`` says so or is not.
+
+    Raises
+    ------
+    InvalidInput
+        If it says anything else.
+    """
+    given = getattr(player, "gives", _GIVEN[0])
+    if given not in _GIVEN:
+        raise InvalidInput(
+            f"gives of a player must be 'wrenches' or 'actions', got {given!r}; say what its act "
+            "returns"
+        )
+    return given == "actions"
 
 
 Finder: TypeAlias = Callable[[Any], Partner]

@@ -21,6 +21,7 @@ from coopenv import (
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.partners import PARTNERS, Impedance, Noisy, Population
 from coopenv.errors import InvalidInput, UnknownName
+from tests.agents.partners.cases import acting
 from tests.helpers import EASY, NEVER, TRIO, actions, assert_same, side_by_side
 
 ID = "coopenv/BeamTransport-v0"
@@ -154,7 +155,8 @@ def test_observations_do_not_depend_on_where_the_partner_wants_to_go():
 
 @pytest.mark.parametrize("name", PARTNERS)
 def test_the_same_seed_gives_the_same_bits_and_a_world_stands_alone(name):
-    many, few = (Transport(num_worlds=n, partner=name, task=EASY, horizon=25) for n in (5, 1))
+    keywords = {"partner": name, "task": EASY, "horizon": 25, **acting(name)}
+    many, few = (Transport(num_worlds=n, **keywords) for n in (5, 1))
     plan = actions(1, 60, 5, 1, 3)
     again = Transport(config=many.config, num_worlds=5)
     for core in (many, again):
@@ -232,7 +234,7 @@ def test_autoreset_begins_anew_with_the_partner(mode):
 def test_starts_and_goals_are_the_same_whoever_the_partner_is():
     starts = []
     for name in PARTNERS:
-        core = Transport(num_worlds=3, partner=name, horizon=3)
+        core = Transport(num_worlds=3, partner=name, horizon=3, **acting(name))
         core.reset(seed=0)
         core.reset()
         assert core.transition is not None

@@ -13,6 +13,7 @@ from coopenv import Body, DoorwayTask, Scene, Sensor, Snapshot, Transport
 from coopenv.agents.partners import PARTNERS
 from coopenv.envs.registry import find_config
 from coopenv.errors import BodyLost, InvalidInput, ResetNeeded
+from tests.agents.partners.cases import acting
 from tests.helpers import (
     ALONG,
     CLUTTERED,
@@ -122,11 +123,12 @@ def test_teams_of_any_kind_go_on_to_the_same_bits(name):
 
 @pytest.mark.parametrize("partner", PARTNERS)
 def test_every_partner_remembers(partner):
-    core = made(IDS[0], partner=partner, scene=OPEN_ROOM, horizon=30)
+    keywords = {"partner": partner, "scene": OPEN_ROOM, "horizon": 30, **acting(partner)}
+    core = made(IDS[0], **keywords)
     core.reset(seed=1)
     plan = plan_of(core, 40)
     ride(core, plan[:13])
-    state, twin = core.get_state(), made(IDS[0], partner=partner, scene=OPEN_ROOM, horizon=30)
+    state, twin = core.get_state(), made(IDS[0], **keywords)
     first = ride(core, plan)
     twin.set_state(state)
     assert_same(ride(twin, plan), first)

@@ -10,9 +10,9 @@ from ..policy import RandomPolicy
 from .doorway import DoorwayController
 from .impedance import Gains, ImpedanceController, approach, wrapped
 from .lift import LiftController
+from .motion import MotionController
 from .tracking import TrackingController
 from .walker import WalkerController
-from .wrenches import require_wrenches
 
 __all__ = [
     "CONTROLLERS",
@@ -20,6 +20,7 @@ __all__ = [
     "Gains",
     "ImpedanceController",
     "LiftController",
+    "MotionController",
     "RandomPolicy",
     "TrackingController",
     "WalkerController",
@@ -40,18 +41,26 @@ CONTROLLERS: dict[type, type[ImpedanceController] | type[WalkerController]] = {
 
 def find_controller(
     config: TransportConfig, **options: Any
-) -> ImpedanceController | WalkerController:
+) -> ImpedanceController | WalkerController | MotionController:
     """The scripted controller for the task of ``config``; ``options`` are the controller's own.
+
+    Where hands carry out the actions it is a `MotionController`, which takes ``gains`` alone.
 
     Raises
     ------
     UnknownName
         If the method of allocation does not exist.
     InvalidInput
-        If the controller does not take an option, or hands carry out the actions.
+        If the controller does not take an option.
     """
-    require_wrenches(config, "a scripted controller")
-    return find_guide(config, **options)
+    if config.hands is None:
+        return find_guide(config, **options)
+    if options.keys() - {"gains"}:
+        raise InvalidInput(
+            f"options must be gains alone for action={config.action!r}, got {sorted(options)}; "
+            "drop the others: hands share what is needed as one rigid body would"
+        )
+    return MotionController(config, find_guide(config, **options))
 
 
 def find_guide(config: TransportConfig, **options: Any) -> ImpedanceController | WalkerController:

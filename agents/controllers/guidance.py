@@ -53,32 +53,39 @@ def triple(rows, k):
 
 
 @inlined
-def object_wrench(gains, pose, twist, goal, load, size, outline):
-    """Wrench (fx, fy, t) [N, N·m] that an object needs on its way to ``goal``, object frame.
+def object_wrench(gains, pose, twist, wanted, dragged, load):
+    """Wrench (fx, fy, t) [N, N·m] that makes an object take up a ``wanted`` twist, object frame.
 
     Parameters
     ----------
     gains
         Six, see `gains_row`.
-    pose, twist, goal
+    pose, twist, wanted
         Three each, world frame.
+    dragged
+        The twist whose drag is met: that of the object or the wanted one.
     load
         Mass, inertia, linear and angular drag of the object, and gravity x and y [m/s²].
-    size
-        Two, of the room [m].
-    outline
-        Of the object, an `Outline`.
     """
     mass, inertia, linear_drag, angular_drag, down_x, down_y = load
-    half_x, half_y, damping = size[0] / 2, size[1] / 2, gains[DAMPING]
+    damping = gains[DAMPING]
     c, s = cos(pose[2]), sin(pose[2])
-    free = (-half_x, half_x, -half_y, half_y)
-    vx, vy, omega = _wanted_twist(gains, pose, (c, s), goal, free, outline)
-    fx = mass * (damping * (vx - twist[0]) - down_x) + linear_drag * twist[0]
-    fy = mass * (damping * (vy - twist[1]) - down_y) + linear_drag * twist[1]
-    torque = inertia * damping * (omega - twist[2]) + angular_drag * twist[2]
+    fx = mass * (damping * (wanted[0] - twist[0]) - down_x) + linear_drag * dragged[0]
+    fy = mass * (damping * (wanted[1] - twist[1]) - down_y) + linear_drag * dragged[1]
+    torque = inertia * damping * (wanted[2] - twist[2]) + angular_drag * dragged[2]
     along, across = rotated_back(c, s, fx, fy)
     return along, across, torque
+
+
+@inlined
+def guiding_twist(gains, pose, goal, size, outline):
+    """Twist (vx, vy, ω) that leads an object to ``goal`` in a room, world frame.
+
+    ``size`` are two, of the room [m]; ``outline`` is the object's `Outline`.
+    """
+    half_x, half_y = size[0] / 2, size[1] / 2
+    free = (-half_x, half_x, -half_y, half_y)
+    return _wanted_twist(gains, pose, (cos(pose[2]), sin(pose[2])), goal, free, outline)
 
 
 @compiled

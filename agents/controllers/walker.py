@@ -166,7 +166,7 @@ class WalkerController:
         """Wrenches ``(world, agent, 3)`` that make force along x and torque on the body."""
         applied = np.zeros((*grips.shape[:2], 3))
         applied[:, 0, 0] = force
-        if self._width == 3:
+        if self._width >= 3:
             applied[:, -1, 2] = torque
         else:
             applied[:, 0, 1] = torque / grips[:, 0, 0]

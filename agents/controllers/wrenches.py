@@ -9,5 +9,5 @@ def require_wrenches(config: TransportConfig, who: str) -> None:
     if config.hands is not None:
         raise InvalidInput(
             f"action must be 'wrench', 'force' or 'discrete' for {who}, which gives wrenches, got "
-            f"{config.action!r}; choose one of them, or a policy that moves hands"
+            f"{config.action!r}; choose one of them, or coopenv.agents.controllers.MotionController"
         )

@@ -71,7 +71,7 @@ def seats(
     ------
     InvalidInput
         If it was trained on other sizes, for a team of another size, as another kind of agent, or
-        with actions that hands carry out and here do not.
+        with actions of another kind than here, where hands carry out one of them.
     """
     counts = config.num_agents, len(agents)
     check_kind(part_of(notes, "environment"), config.action)

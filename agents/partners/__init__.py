@@ -12,6 +12,7 @@ from coopenv.partner import Partner
 from coopenv.tasks import RollingTask
 
 from .combined import Lagging, Noisy, Population, Switching
+from .haptic import Compliant, Guiding
 from .kinds import Follower, Impedance, Leader, LoadSharing, Stubborn
 from .learned import LearnedPartner, PolicyPartner, is_file_name, trusting
 from .person import Kind, Person
@@ -21,7 +22,9 @@ __all__ = [
     "DEFAULT",
     "DEFAULTS",
     "PARTNERS",
+    "Compliant",
     "Follower",
+    "Guiding",
     "Impedance",
     "Kind",
     "Lagging",
@@ -54,6 +57,8 @@ PARTNERS: dict[str, Kind] = {
     "population": Population(),
     "walking": Walking(),
     "robot": Robot(),
+    "compliant": Compliant(),
+    "guiding": Guiding(),
 }
 DEFAULT = "impedance"  # agrees about the goal and does its part
 DEFAULTS: dict[type, str] = {RollingTask: "walking"}  # of tasks for which that is too little

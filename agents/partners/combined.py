@@ -31,6 +31,11 @@ class Lagging(Kind):
         """As `Kind.longest_delay`."""
         return self.partner.longest_delay + int(highest(self.delay))
 
+    @property
+    def needs_hands(self) -> bool:
+        """As `Kind.needs_hands`."""
+        return self.partner.needs_hands
+
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""
         rows = self.partner.traits(chance.branch("lagging"))
@@ -56,6 +61,11 @@ class Noisy(Kind):
     def longest_delay(self) -> int:
         """As `Kind.longest_delay`."""
         return self.partner.longest_delay
+
+    @property
+    def needs_hands(self) -> bool:
+        """As `Kind.needs_hands`."""
+        return self.partner.needs_hands
 
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""
@@ -94,6 +104,11 @@ class Switching(Kind):
         """As `Kind.longest_delay`."""
         return max(self.first.longest_delay, self.second.longest_delay)
 
+    @property
+    def needs_hands(self) -> bool:
+        """As `Kind.needs_hands`."""
+        return self.first.needs_hands or self.second.needs_hands
+
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""
         rows = self.first.traits(chance.branch("first"))
@@ -131,6 +146,11 @@ class Population(Kind):
     def longest_delay(self) -> int:
         """As `Kind.longest_delay`."""
         return max(kind.longest_delay for kind in self.members)
+
+    @property
+    def needs_hands(self) -> bool:
+        """As `Kind.needs_hands`."""
+        return any(kind.needs_hands for kind in self.members)
 
     def traits(self, chance: Chance) -> FloatArray:
         """As `Kind.traits`."""

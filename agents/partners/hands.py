@@ -18,19 +18,25 @@ from ..controllers.guidance import (
     SPEED,
     SPIN,
     Outline,
+    guiding_twist,
     object_wrench,
     triple,
 )
+from ..controllers.hand_motions import paced_twist
+from .feeling import give_way, lead_on, missing_motion
 from .traits import (
     AWAY_TURN,
     AWAY_X,
     AWAY_Y,
     DELAY,
     EAGERNESS,
+    EASING,
     FOLLOWS,
     FORCE_NOISE,
     GAINS,
+    GUIDES,
     HEAVINESS,
+    LEAD,
     PLANS,
     ROLE,
     SHARE,
@@ -38,7 +44,11 @@ from .traits import (
     STAY,
     STRENGTH,
     TORQUE_NOISE,
+    TURN_LEAD,
+    TURN_YIELDING,
     WALKS,
+    YIELDING,
+    YIELDS,
 )
 
 _SWITCH, _NOISE = np.uint64(0), np.uint64(1)  # which of a step's random numbers
@@ -56,7 +66,10 @@ class Mind(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is seen of all worlds, world frame but for ``applied``."""
+    """What is seen of all worlds, world frame but for the last three.
+
+    Without hands there is neither stretch nor what is felt; nobody then asks for them.
+    """
 
     pose: FloatArray  # (world, 3) [m, rad]
     twist: FloatArray  # (world, 3) [m/s, rad/s]
@@ -64,6 +77,8 @@ class Seen(NamedTuple):
     goal: FloatArray  # (world, 3) [m, rad]
     ahead: FloatArray  # (world, 3) where who walks wants the object next, on the way to its plan
     applied: FloatArray  # (world, agent, 3) in the last step, object frame [N, N·m]
+    stretch: FloatArray  # (world, agent, 3) from grip to reference, object frame [m, rad]
+    felt: FloatArray  # (world, agent, 3) at the last step's end, object frame [N, N·m]
 
 
 class Carried(NamedTuple):
@@ -88,6 +103,8 @@ class Held(NamedTuple):
     allocation: FloatArray  # (world, agent, 3, 3), each agent's part of an object wrench
     parts_on_way: FloatArray  # (world, agent, 3, 3) likewise, where somebody walks
     driven: IntArray  # (driven,) numbers of the agents that are driven
+    springs: FloatArray  # (world, agent, 4) K, κ, B and β of their hands
+    fastest: FloatArray  # (world, agent, 2) speed and turn rate of their hands
 
 
 @compiled
@@ -106,9 +123,9 @@ def act(mind, seen, carried, team, dt):
     """
     # Taken apart once: a field that is read inside the loop costs a count of references each time
     traits, keys, now, steps, wanted_twist, given = mind
-    pose, twist, twist_before, goal, ahead, applied = seen
+    pose, twist, twist_before, goal, ahead, applied, stretch, felt = seen
     mass, inertia, linear_drag, angular_drag, outline, reach, room, gravity = carried
-    grips, frame, limits, allocation, parts_on_way, driven = team
+    grips, frame, limits, allocation, parts_on_way, driven, springs, fastest = team
     out, parts = np.empty((len(traits), len(driven), 3)), np.empty((grips.shape[1], 3))
     for k in range(len(traits)):
         draw = mixed(keys[k], np.uint64(steps[k]))
@@ -120,14 +137,24 @@ def act(mind, seen, carried, team, dt):
 
         # What the object is to be given
         wanted, walks = moving, role == WALKS
+        wrench = 0.0, 0.0, 0.0
         if walks or role == PLANS:
             to = triple(ahead, k) if walks else _plan(traits, k, n, goal)
-            wrench = object_wrench(
-                _gains(traits, k, n), here, moving, to, load,
-                (room[k, 0], room[k, 1]), Outline(outline, k, reach[k]),
-            )  # fmt: skip
-            wrench = _scaled(wrench, traits[k, n, STRENGTH])
-        else:
+            gains = _gains(traits, k, n)
+            lead = guiding_twist(
+                gains, here, to, (room[k, 0], room[k, 1]), Outline(outline, k, reach[k])
+            )
+            dragged = moving
+            if fastest.shape[1] > 0:
+                dragged = lead = paced_twist(lead, here, k, grips, fastest)
+            wrench = _scaled(
+                object_wrench(gains, here, moving, lead, dragged, load), traits[k, n, STRENGTH]
+            )
+        elif role == GUIDES:
+            wrench = missing_motion(
+                _gains(traits, k, n), here, moving, triple(ahead, k), k, grips, fastest
+            )  # no wrench yet
+        elif role != YIELDS:
             wrench = _felt((here, moving, before), load, applied, grips, driven, k, dt)
         if role == FOLLOWS:
             tastes = (traits[k, n, HEAVINESS], traits[k, n, EAGERNESS])
@@ -142,6 +169,12 @@ def act(mind, seen, carried, team, dt):
             share = traits[k, n, SHARE]
             each = _scaled(wrench, share / (1 - share) / len(driven))
             _carry(each, grips, driven, given, k, slot)
+        elif role in (YIELDS, GUIDES):
+            _part(_weight(here[2], load), allocation, frame, limits, parts, k)
+            _feel(
+                traits[k, n], wrench, parts, (grips, driven, springs), (stretch, felt),
+                given, k, slot, dt,
+            )  # fmt: skip
         else:
             shares = parts_on_way if walks else allocation
             largest = _part(wrench, shares, frame, limits, parts, k)
@@ -243,6 +276,31 @@ def _response(weight, drag, dt):
     """What a step leaves of a velocity, and what it adds for each unit of force."""
     left = exp(-drag / weight * dt)
     return left, ((1 - left) / drag if drag > 0 else dt / weight)
+
+
+@inlined
+def _weight(angle, load):
+    """Wrench that bears the object, object frame."""
+    x, y = rotated_back(cos(angle), sin(angle), -load[0] * load[4], -load[0] * load[5])
+    return x, y, 0.0
+
+
+@inlined
+def _feel(row, missing, weights, team, sensed, given, k, slot, dt):
+    """What each hand gives that gives way, or that shows the way by the motion that is missing."""
+    grips, driven, springs = team
+    stretch, felt = sensed
+    for number in range(len(driven)):
+        i = driven[number]
+        own = triple(weights, i)
+        if row[ROLE] == YIELDS:
+            rates = row[YIELDING], row[TURN_YIELDING]
+            wrench = give_way(rates, own, k, i, stretch, felt, springs, dt)
+        else:
+            tastes = row[LEAD], row[TURN_LEAD], row[EASING]
+            wrench = lead_on(tastes, missing, own, k, i, grips, stretch, springs, dt)
+        for j in range(3):
+            given[k, slot, number, j] = wrench[j]
 
 
 @inlined

@@ -22,7 +22,6 @@ from coopenv.partner import Generators
 from coopenv.pushes import check_numbers, push_numbers
 from coopenv.transition import Transition
 
-from ..controllers.wrenches import require_wrenches
 from ..policy import Freezable, Resettable, Seat, Seatable, Seedable, Stateful, forget
 
 _ACTIONS = "actions of the partner's policy"
@@ -167,6 +166,8 @@ class PolicyPartner:
 class PolicyPlayer:
     """Plays a policy in a batch of worlds; it has no plan that it could tell.
 
+    Where actions are motions it moves the hands of those it drives, as learners do theirs.
+
     Parameters
     ----------
     seat
@@ -182,7 +183,7 @@ class PolicyPlayer:
     def __init__(
         self, seat: Seat, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ):
-        require_wrenches(config, "a policy as a partner")
+        self.gives = "wrenches" if config.hands is None else "actions"
         self._policy, self._seen = seat.policy, list(seat.agents)
         self._driven, self._table = list(agents), seat.table
         self._width = ACTIONS[config.action]
@@ -201,9 +202,11 @@ class PolicyPlayer:
             self._policy.seed_episodes(self._keys.view(np.int64), worlds)
 
     def act(self, transition: Transition) -> FloatArray:
-        """Wrenches for the next step; see `coopenv.partner.Player`."""
+        """Wrenches or actions for the next step; see `coopenv.partner.Player`."""
         obs = self._observation(transition, keys=self._keys)[:, self._seen]
         action = self._own(self._policy(obs, transition), transition)
+        if self.gives == "actions":
+            return action
         team = transition.team
         frame, limits = team.frame[:, self._driven], team.limits[:, self._driven]
         return frames.wrenches_from_actions(action, frame, limits)[1]

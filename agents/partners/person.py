@@ -8,17 +8,19 @@ import numpy as np
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.chance import Chance, draw_keys
 from coopenv.compiled import compiled
-from coopenv.config import ACTIONS, TransportConfig
+from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import rotated, wrapped
 from coopenv.partner import Generators
+from coopenv.physics.hands import SPEED
 from coopenv.transition import Transition
-from coopenv.wrench.grasp import grasp_matrix
 
+from ..controllers.hand_motions import HandMotions
 from . import traits
 from .hands import Mind, act
+from .parts import Parts
 from .way import Way
 
-_HELD = ("_grips", "_allocation", "_reach")  # of the team and the object, one row a world
 _AWAY = slice(traits.AWAY_X, traits.AWAY_TURN + 1)
 
 
@@ -36,6 +38,11 @@ class Kind(ABC):
         """The most control steps by which it lags."""
         return 0
 
+    @property
+    def needs_hands(self) -> bool:
+        """Whether it acts by what its hand feels, or by how far that goes ahead."""
+        return False
+
     @abstractmethod
     def traits(self, chance: Chance) -> FloatArray:
         """What it is like in each episode that ``chance`` draws, ``(episode, 2, NUM_TRAITS)``."""
@@ -43,6 +50,9 @@ class Kind(ABC):
 
 class Person:
     """Plays a `Kind` in a batch of worlds: draws what it is like, and remembers what it must.
+
+    Where actions are motions, it moves the hands of those it drives so that they give what it
+    wants to give, as far as they are quick enough (`coopenv.agents.controllers.hand_motions`).
 
     Parameters
     ----------
@@ -54,13 +64,18 @@ class Person:
         Worlds stepped together.
     agents
         Numbers of the agents it drives.
+
+    Raises
+    ------
+    InvalidInput
+        If the kind needs hands and none are there.
     """
 
     def __init__(
         self, what: Kind, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ):
         self.what, self._config, self._dt = what, config, config.dt
-        self._width, self._driven = min(ACTIONS[config.action], 3), np.array(agents)
+        self._driven = np.array(agents)
         self._mind = Mind(
             traits=np.zeros((num_worlds, 2, traits.NUM_TRAITS)),
             keys=np.zeros(num_worlds, dtype=np.uint64),
@@ -70,11 +85,19 @@ class Person:
             given=np.zeros((num_worlds, what.longest_delay + 1, len(agents), 3)),
         )
         self._kind = np.zeros(num_worlds, dtype=np.int64)
-        self._grips = np.full((num_worlds, config.num_agents, 2), np.nan)
-        self._allocation = np.zeros((num_worlds, config.num_agents, 3, 3))
-        self._parts_on_way = self._allocation
+        self._motions: HandMotions | None = None
+        self.gives, self._nothing = "wrenches", (np.zeros((num_worlds, 0, 3)),) * 4
+        if config.hands is not None:
+            self._motions, self.gives = HandMotions(config, agents), "actions"
+        elif what.needs_hands:
+            raise InvalidInput(
+                f"action must be 'motion' or 'impedance' for a partner that acts by what its hand "
+                f"feels, got {config.action!r} for {what!r:.80}; choose one of them, or another "
+                "partner"
+            )
+        self._parts = Parts(config, num_worlds, self._motions)
         self._reach = np.zeros(num_worlds)
-        self._way: Way | None = None  # made when first somebody walks
+        self._way: Way | None = None  # made when first somebody knows one
 
     @property
     def kind(self) -> IntArray:
@@ -93,61 +116,61 @@ class Person:
         mind.given[worlds] = 0
         self._kind = mind.traits[:, 0, traits.KIND].astype(np.int64)  # others may keep the old one
         self._reach[worlds] = np.hypot(*np.moveaxis(start.conditions.load.outline, -1, 0)).max(1)
-        grips = start.team.grips
-        moved = not np.array_equal(self._grips[worlds], grips)
-        if moved:
-            self._grips[worlds] = grips
-            self._allocation[worlds] = _allocation(grips, self._width)
-        self._find_way(rows, moved)
+        self._parts.hold(worlds, start.team)
+        self._find_way(rows)
 
     def act(self, transition: Transition) -> FloatArray:
-        """Wrenches for the next step; see `coopenv.partner.Player`."""
+        """Wrenches or actions of hands for the next step; see `coopenv.partner.Player`."""
         state, team = transition.next_state, transition.team
-        load, room = transition.conditions.load, transition.conditions.room
-        return act(
+        load, room, motions = transition.conditions.load, transition.conditions.room, self._motions
+        stretch, felt, springs, fastest = self._nothing
+        if motions is not None:
+            stretch, felt = transition.stretch, transition.felt_wrench
+            springs, fastest = motions.springs(team.hands), team.hands[..., SPEED:].copy()
+        wrench = act(
             tuple(self._mind),
             (
                 state.pose, state.twist, transition.state.twist, state.goal,
-                self._ahead(transition), transition.applied,
+                self._ahead(transition), transition.applied, stretch, felt,
             ),
             (
                 load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,
                 self._reach, room.size, room.gravity,
             ),
             (
-                team.grips, team.frame, team.limits, self._allocation, self._parts_on_way,
-                self._driven,
+                team.grips, team.frame, team.limits, self._parts.straight, self._parts.on_way,
+                self._driven, springs, fastest,
             ),
             self._dt,
         )  # fmt: skip
+        return wrench if motions is None else motions(wrench, state.twist, transition)
 
     def get_state(self, worlds: IntArray) -> dict[str, Any]:
         """What it is like and remembers; see `coopenv.partner.StatefulPlayer`."""
         mind = {name: value[worlds] for name, value in self._mind._asdict().items()}
-        return {"mind": mind, **{name: getattr(self, name)[worlds] for name in _HELD}}
+        return {"mind": mind, "parts": self._parts.get_state(worlds), "reach": self._reach[worlds]}
 
     def set_state(self, state: dict[str, Any], worlds: IntArray) -> None:
         """See `coopenv.partner.StatefulPlayer`."""
         for name, value in self._mind._asdict().items():
             value[worlds] = state["mind"][name]
-        for name in _HELD:
-            getattr(self, name)[worlds] = state[name]
+        self._reach[worlds] = state["reach"]
+        self._parts.set_state(state["parts"], worlds)
         self._kind = self._mind.traits[:, 0, traits.KIND].astype(np.int64)
-        self._find_way(state["mind"]["traits"], True)
+        self._find_way(state["mind"]["traits"])
 
-    def _find_way(self, rows: FloatArray, moved: bool) -> None:
-        """Ready the way for those of ``rows`` who walk, whose grips may have ``moved``."""
-        if self._way is None and (rows[..., traits.ROLE] == traits.WALKS).any():
-            self._way, moved = Way(self._config), True
-        if self._way is not None and moved:
-            self._parts_on_way = self._way.parts(self._grips, self._allocation)
+    def _find_way(self, rows: FloatArray) -> None:
+        """Find the way when for the first time one of ``rows`` knows one."""
+        if self._way is None and np.isin(rows[..., traits.ROLE], traits.ON_WAY).any():
+            self._way = Way(self._config)
+            self._parts.walk(self._way)
 
     def plan(self, transition: Transition) -> FloatArray:
         """Poses ``(world, 3)`` it wants the object to reach; NaN where it follows."""
         return _plans(self._mind.traits, self._mind.now, transition.next_state.goal)
 
     def _ahead(self, transition: Transition) -> FloatArray:
-        """Next points ``(world, 3)`` of the ways of those who walk; of others anything."""
+        """Next points ``(world, 3)`` of the ways of those who know one; of others anything."""
         goal = transition.next_state.goal
         if self._way is None:
             return goal
@@ -160,7 +183,8 @@ def _plans(rows, now, goal):
     plan = np.empty_like(goal)
     for k in range(len(goal)):
         row = rows[k, now[k]]
-        planned = row[traits.ROLE] == traits.PLANS or row[traits.ROLE] == traits.WALKS
+        role = row[traits.ROLE]
+        planned = role == traits.PLANS or role == traits.WALKS or role == traits.GUIDES
         for j in range(3):
             moved = goal[k, j] + row[traits.AWAY_X + j]
             plan[k, j] = moved if planned else np.nan
@@ -182,13 +206,3 @@ def _inside(away: FloatArray, start: Transition) -> FloatArray:
     cut = np.clip(shift, np.minimum(low, high), np.maximum(low, high))
     placed = np.where(out & away.any(axis=1, keepdims=True), np.where(back, -shift, cut), shift)
     return np.concatenate([placed, away[:, 2:]], axis=1)
-
-
-def _allocation(grips: FloatArray, width: int) -> FloatArray:
-    """Each agent's part ``(world, agent, 3, 3)`` of an object wrench: the pseudoinverse (eq. 7)."""
-    num_worlds, num_agents = grips.shape[:2]
-    columns = [3 * i + j for i in range(num_agents) for j in range(width)]
-    parts = np.linalg.pinv(grasp_matrix(grips)[..., columns])
-    allocation = np.zeros((num_worlds, num_agents, 3, 3))
-    allocation[:, :, :width] = parts.reshape(num_worlds, num_agents, width, 3)
-    return allocation

@@ -28,11 +28,15 @@ FORCE_NOISE, TORQUE_NOISE = 14, 15  # standard deviations [N], [N·m]
 DELAY = 16  # control steps
 STAY = 17  # [s] mean time until it switches to its other row; 0: never
 KIND = 18  # number of the population's member
-NUM_TRAITS = 19
+YIELDING, TURN_YIELDING = 19, 20  # velocity of its hand for what it feels [m/s/N], [rad/s/(N·m)]
+LEAD, TURN_LEAD = 21, 22  # how far its hand goes ahead of its grip at most [m], [rad]
+EASING = 23  # [1/s] of the lead
+NUM_TRAITS = 24
 
 MOST_DELAY = 10**4  # control steps; what is delayed is kept in memory
 
-PLANS, FOLLOWS, SHARES, WALKS = 0, 1, 2, 3  # roles
+PLANS, FOLLOWS, SHARES, WALKS, YIELDS, GUIDES = 0, 1, 2, 3, 4, 5  # roles
+ON_WAY = (WALKS, GUIDES)  # roles of those who know the way of the task
 
 
 def same_twice(count: int, **columns: Any) -> FloatArray:

@@ -66,7 +66,7 @@ def _costs() -> list[list[str]]:
     never = TransportTask(position_tolerance=1e-9)  # or partners would be charged for resets
     random, told, bare = (Transport(num_worlds=WORLDS, task=never) for _ in range(3))
     lines = []
-    for name in PARTNERS:
+    for name in (name for name, kind in PARTNERS.items() if not kind.needs_hands):
         core = Transport(num_worlds=WORLDS, task=never, partner=name)
         same, seen = _joint_actions(core, STEPS), []
         for _ in range(REPEATS):

@@ -94,9 +94,8 @@ class Train:
             policies: dict[str, Policy] = {
                 "trained PPO": trained,
                 "random": RandomPolicy(config),
+                "scripted": find_controller(config),
             }
-            if config.hands is None:  # no scripted controller moves hands
-                policies["scripted"] = find_controller(config)
             seen = compare(policies, config, episodes=self.episodes)
         for name in ("table.json", "table.csv"):
             save(seen, out / name)

@@ -331,7 +331,6 @@ class TransportConfig:
                 self.action,
                 list(dict.fromkeys(bodies)),
                 self.strengths(),
-                self.learners,
                 self.randomise,
                 self.dt,
                 self.substeps,

@@ -4,8 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from coopenv.arrays import FloatArray, Range
 from coopenv.errors import InvalidInput
 from coopenv.observation import Entry
@@ -85,21 +83,19 @@ def check_integrable(
     action: str,
     bodies: Sequence[Body],
     strengths: FloatArray,
-    learners: Sequence[int],
     ranges: Ranges | None,
     dt: float,
     substeps: int,
 ) -> None:
     """Raise `InvalidInput` where substeps are too few for the stiffest hands on the lightest body.
 
-    ``strengths`` ``(agent, column)`` are those of the team, of which only ``learners`` have hands;
-    of ``ranges``, the ends that may need most substeps are looked at: the stiffest hands and the
+    ``strengths`` ``(agent, column)`` are those of the team, all of which may have hands; of
+    ``ranges``, the ends that may need most substeps are looked at: the stiffest hands and the
     lightest body, longest and shortest, with its grips as far out as may be drawn.
     """
     needed = 0
     for body in bodies:
         for held, table in _hardest(body, strengths, ranges):
-            table[np.isin(np.arange(len(table)), learners, invert=True)] = 0.0
             if action == "impedance":
                 table[:, [STIFFNESS, TORQUE_STIFFNESS]] *= hands.stiffness_factors[1]
                 table[:, [DAMPING, TORQUE_DAMPING]] *= hands.damping_factors[1]

@@ -8,10 +8,10 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, finite_array, number_array, plain_array
 from coopenv.compiled import compiled
 from coopenv.compiled.checks import is_finite
-from coopenv.config import TransportConfig
+from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import action_of
-from coopenv.partner import Generators, Partner, StatefulPlayer
+from coopenv.partner import Generators, Partner, StatefulPlayer, gives_actions
 from coopenv.snapshot import check_rows
 from coopenv.transition import Transition
 
@@ -21,6 +21,10 @@ class DrivenAgents:
 
     `DrivenByPartner` overrides all methods; `driven_agents` chooses between the two.
     """
+
+    def have_hands(self, num_agents: int) -> BoolArray:
+        """Which agents ``(agent,)`` move hands where actions are motions: all who give actions."""
+        return np.ones(num_agents, dtype=np.bool_)
 
     def begin(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
         """Start an episode in ``worlds``."""
@@ -35,7 +39,7 @@ class DrivenAgents:
         Raises
         ------
         InvalidInput
-            If a partner's wrenches are not finite, or have the wrong shape.
+            If what a partner gives is not finite, or has the wrong shape.
         """
         return action
 
@@ -88,8 +92,17 @@ class DrivenByPartner(DrivenAgents):
         self._task = config.task
         self._driven, self._learners = np.array(config.driven), np.array(config.learners)
         self._rows = _evenly(self._learners)
-        self._shape = (num_worlds, len(self._driven), 3)
         self.player = partner.player(config, num_worlds, config.driven)
+        self._gives_actions = gives_actions(self.player)
+        self._name, width = "wrenches of the partner", 3
+        if self._gives_actions:
+            self._name, width = "actions of the partner", ACTIONS[config.action]
+        self._shape = (num_worlds, len(self._driven), width)
+
+    def have_hands(self, num_agents: int) -> BoolArray:
+        """See `DrivenAgents.have_hands`."""
+        held = [] if self._gives_actions else self._driven
+        return ~np.isin(np.arange(num_agents), held)
 
     def begin(self, worlds: IntArray, generators: Generators, start: Transition) -> None:
         """Start an episode in ``worlds``."""
@@ -99,20 +112,27 @@ class DrivenByPartner(DrivenAgents):
         self, action: FloatArray, before: Transition, restart: BoolArray | None = None
     ) -> FloatArray:
         """See `DrivenAgents.joint`."""
-        wrench = number_array(self.player.act(before), "wrenches of the partner")
-        if wrench.shape != self._shape:
+        given = number_array(self.player.act(before), self._name)
+        if given.shape != self._shape:
+            columns = "action_size" if self._gives_actions else "3"
             raise InvalidInput(
-                f"wrenches of the partner must have shape (world, driven agent, 3) = "
-                f"{self._shape}, got {wrench.shape}; give one row for each agent it drives"
+                f"{self._name} must have shape (world, driven agent, {columns}) = "
+                f"{self._shape}, got {given.shape}; give one row for each agent it drives"
             )
         if restart is not None:
-            wrench = np.where(restart[:, None, None], 0.0, wrench)
+            given = np.where(restart[:, None, None], 0.0, given)
+        if self._gives_actions:
+            return self._beside(action, finite_array(given, self._name))
         team = before.team
-        joint, finite = _joint(
-            action, wrench, self._learners, self._driven, team.frame, team.limits
-        )
+        joint, finite = _joint(action, given, self._learners, self._driven, team.frame, team.limits)
         if not finite:
-            finite_array(wrench, "wrenches of the partner")  # raises, naming the place
+            finite_array(given, self._name)  # raises, naming the place
+        return joint
+
+    def _beside(self, action: FloatArray, given: FloatArray) -> FloatArray:
+        """Actions of all agents: the learners' and those that are ``given``."""
+        joint = np.empty((len(action), action.shape[1] + given.shape[1], action.shape[2]))
+        joint[:, self._learners], joint[:, self._driven] = action, given
         return joint
 
     def of_learners(self, value: npt.NDArray[Any]) -> npt.NDArray[Any]:

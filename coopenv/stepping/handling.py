@@ -58,7 +58,7 @@ class HeldWrenches:
 class CompliantHands(HeldWrenches):
     """Actions are velocities of hands, and perhaps how stiff and damped they are in this step.
 
-    Agents that a partner drives have no hand: as elsewhere, they hold the wrench that it gives.
+    Agents whose partner gives wrenches have no hand: as elsewhere, they hold what it gives.
 
     Where stiffness rises from a step to the next, the reference is drawn nearer, so that force and
     torque stay, and the energy stored falls; where it falls, the reference stays, and with it falls
@@ -70,12 +70,14 @@ class CompliantHands(HeldWrenches):
         Of the environment; it has hands.
     num_worlds
         Worlds stepped together.
+    has_hand
+        ``(agent,)``: whether its actions move a hand.
     """
 
-    def __init__(self, config: TransportConfig, num_worlds: int):
+    def __init__(self, config: TransportConfig, num_worlds: int, has_hand: BoolArray):
         hands = config.hands
         assert hands is not None
-        self._has_hand: BoolArray = np.isin(np.arange(config.num_agents), config.learners)
+        self._has_hand = has_hand
         factors = np.array([hands.stiffness_factors, hands.damping_factors])
         self._middle, self._spread = (
             np.log(factors).mean(axis=1),
@@ -124,9 +126,12 @@ class CompliantHands(HeldWrenches):
         self._reference[worlds], self._stiffness[worlds] = state["reference"], state["stiffness"]
 
 
-def handling_of(config: TransportConfig, num_worlds: int) -> HeldWrenches:
-    """How actions of the configuration's kind move ``num_worlds`` worlds."""
-    return HeldWrenches() if config.hands is None else CompliantHands(config, num_worlds)
+def handling_of(config: TransportConfig, num_worlds: int, has_hand: BoolArray) -> HeldWrenches:
+    """How actions of the configuration's kind move ``num_worlds`` worlds.
+
+    ``has_hand`` ``(agent,)`` says who has a hand if any are there; others' actions are wrenches.
+    """
+    return HeldWrenches() if config.hands is None else CompliantHands(config, num_worlds, has_hand)
 
 
 @compiled

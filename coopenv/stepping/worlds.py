@@ -67,9 +67,10 @@ class SteppedWorlds:
             substeps=self.substeps,
             reach=self._draws.reach,
         )
-        handling = handling_of(self.config, self.num_worlds)
-        self.handling = behind_actuators(handling, self.config, self.num_worlds)
         self.driven = driven_agents(self.config, self.num_worlds)
+        has_hand = self.driven.have_hands(self.num_agents)
+        handling = handling_of(self.config, self.num_worlds, has_hand)
+        self.handling = behind_actuators(handling, self.config, self.num_worlds)
         self.generators: list[np.random.Generator | None] = [None] * self.num_worlds
         self.transition: Transition | None = None
         self._task, self._has_moving_goal = self.config.task, self.config.task.moves

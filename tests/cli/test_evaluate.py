@@ -87,6 +87,14 @@ def test_without_trained_policies_the_environment_is_the_default(tmp_path, capsy
     assert "coopenv/BeamTransport-v0 with horizon 4" in capsys.readouterr().out
 
 
+def test_the_scripted_controller_moves_hands_where_the_actions_are_motions(tmp_path, capsys):
+    options = ("--action=motion", "--hands", "stiffness=100")
+    rows = evaluated("evaluate", "scripted", "random", *options, out=tmp_path / "table.csv")
+    assert [float(row["success_rate"]) for row in rows] == [1.0, 0.0]
+    assert float(rows[0]["relative_cost"]) < 1e-6
+    assert "action motion" in capsys.readouterr().out
+
+
 def bare(path: Path, to: Path) -> Path:
     """The policy as it was written before files said where they come from."""
     with zipfile.ZipFile(path) as archive, zipfile.ZipFile(to, "w") as made:

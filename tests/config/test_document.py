@@ -36,6 +36,7 @@ from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
 from coopenv.tasks import TASKS
 from coopenv.wrench import Settings
+from tests.agents.partners.cases import acting
 from tests.helpers import CLUTTERED, IDS
 
 EVERY_TERM = rewards.RewardSum(
@@ -120,7 +121,7 @@ CASES: dict[str, dict[str, Any]] = {
             weights=(1, 2, 0),
         )
     },
-    **{name: {"partner": name} for name in partners.PARTNERS},
+    **{name: {"partner": name, **acting(name)} for name in partners.PARTNERS},
 }
 CONFIGS = {
     **{name: TransportConfig(**values) for name, values in CASES.items()},

@@ -108,10 +108,10 @@ def test_hands_beside_an_action_that_none_carry_out_are_refused(action):
         TransportConfig(action=action, randomise=Ranges(stiffness=(10.0, 20.0)))
 
 
-def test_agents_that_a_partner_drives_have_no_hand_to_count():
+def test_agents_that_a_partner_drives_count_since_they_may_have_hands():
     hands = Hands(stiffness=(150.0, 1e6))
     with pytest.raises(InvalidInput, match="substeps must be at least"):
         TransportConfig(action="motion", hands=hands)
-    TransportConfig(action="motion", hands=hands, partner="leader", partner_agents=(1,))
-    with pytest.raises(InvalidInput, match="substeps must be at least"):
-        TransportConfig(action="motion", hands=hands, partner="leader", partner_agents=(0,))
+    for driven in (0, 1):
+        with pytest.raises(InvalidInput, match="substeps must be at least"):
+            TransportConfig(action="motion", hands=hands, partner="leader", partner_agents=(driven,))

@@ -16,6 +16,7 @@ from coopenv.agents.partners import PARTNERS, find_partner
 from coopenv.agents.policy import Policy, forget
 from coopenv.arrays import FloatArray
 from coopenv.envs.registry import find_config
+from tests.agents.partners.cases import acting
 from tests.helpers import IDS, LEVEL, PARALLEL, actions, assert_same
 from tests.reliability.processes import in_fork
 
@@ -94,7 +95,9 @@ def test_a_partner_can_be_copied(name, again):
     partner = find_partner(name)
     twin = AGAIN[again](partner)
     assert twin == partner
-    seen, expected = (Transport(partner=one).reset(seed=0)[0] for one in (twin, partner))
+    seen, expected = (
+        Transport(partner=one, **acting(name)).reset(seed=0)[0] for one in (twin, partner)
+    )
     np.testing.assert_array_equal(seen, expected)
 
 

@@ -227,7 +227,9 @@ def any_decomposition(
 
 def any_partner(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
     """A partner of any kind, beside whom the others learn."""
-    partner: Any = str(rng.choice(list(partners.PARTNERS)))
+    able = config.hands is not None
+    named = [name for name, kind in partners.PARTNERS.items() if able or not kind.needs_hands]
+    partner: Any = str(rng.choice(named))
     if rng.random() < 0.3:
         partner = partners.Noisy(force=rng.uniform(0.0, 10.0), torque=rng.uniform(0.0, 5.0))
     agents = rng.permutation(config.num_agents)[: rng.integers(1, max(2, config.num_agents))]

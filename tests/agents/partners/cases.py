@@ -6,10 +6,16 @@ from typing import Any
 import numpy as np
 
 from coopenv import Transport, TransportConfig
+from coopenv.agents.partners import PARTNERS
 from tests.helpers import NEVER, actions
 
 SEEN = TransportConfig(task=NEVER, observe=("goal", "twist", "own_wrench"), horizon=50)
 OTHER = replace(SEEN, observe=("time", "partner_wrench"))  # what the learner beside it sees
+
+
+def acting(name: str) -> dict[str, Any]:
+    """Keywords under which a partner of that name can act."""
+    return {"action": "motion"} if PARTNERS[name].needs_hands else {}
 
 
 def wrenches(core: Transport, episodes: int = 3, steps: int = 4, **reset: Any) -> np.ndarray:

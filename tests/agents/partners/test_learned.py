@@ -57,7 +57,7 @@ def beside(
 
     The twin shows what the policy was trained on. World 1 starts anew on its own.
     """
-    core = Transport(num_worlds=3, config=replace(OTHER, partner=partner))
+    core = Transport(num_worlds=3, config=replace(OTHER, partner=partner, action=config.action))
     twin = Transport(num_worlds=3, config=config)
     pose, goal = np.zeros((3, 3)), np.tile([1.0, -0.5, 0.4], (3, 1))
     everywhere, alone = np.ones(3, dtype=np.bool_), np.array([False, True, False])
@@ -248,6 +248,16 @@ def test_a_file_that_would_run_something_needs_trust(tmp_path):
 def test_a_policy_of_another_team_is_refused(files, control, changed, message):
     with pytest.raises(InvalidInput, match=rf"{message}.*{control}\.zip"):
         Transport(config=replace(SEEN, partner=files[control], **changed))
+
+
+def test_a_policy_that_learned_to_move_hands_moves_them_and_gives_no_wrenches(files, tmp_path):
+    moving = replace(SEEN, action="motion")
+    mover = saved(tmp_path / "mover.zip", moving)
+    beside(mover, sb3.SB3Policy.load(mover), (0, 1), moving)
+    with pytest.raises(InvalidInput, match="must be 'motion' for a policy .* got 'wrench'"):
+        Transport(config=replace(OTHER, partner=mover))
+    with pytest.raises(InvalidInput, match="must be 'wrench' for a policy .* got 'motion'"):
+        Transport(config=replace(OTHER, partner=files["joint"], action="motion"))
 
 
 def test_one_that_every_agent_runs_drives_several(files):

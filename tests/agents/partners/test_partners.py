@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coopenv import Body, Transport, TransportConfig, TransportTask
-from coopenv.agents.controllers.guidance import Outline, gains_row, object_wrench
+from coopenv.agents.controllers.guidance import Outline, gains_row, guiding_twist, object_wrench
 from coopenv.agents.controllers.impedance import Gains, ImpedanceController
 from coopenv.agents.partners import (
     PARTNERS,
@@ -26,6 +26,7 @@ from coopenv.agents.partners import (
 )
 from coopenv.agents.partners.traits import DELAY
 from coopenv.errors import InvalidInput, UnknownName
+from tests.agents.partners.cases import acting
 from tests.helpers import CLUTTERED, OPEN_ROOM, OPTIONS, TRIO
 
 NEVER = TransportTask(position_tolerance=1e-300)  # not even by those who settle at the goal
@@ -292,11 +293,12 @@ def test_a_population_draws_every_member_as_often_as_it_should():
     assert (again["partner_kind"] != info["partner_kind"]).mean() > 0.4  # anew every episode
 
 
-def test_every_kind_but_those_who_know_the_way_is_in_the_population_by_name():
+def test_every_kind_that_needs_neither_a_way_nor_hands_is_in_the_population_by_name():
     population = find_partner("population")
     assert isinstance(population, Population)
     named = {type(partner) for partner in PARTNERS.values()} - {Population}
-    assert {type(member) for member in population.members} == named - {Walking, Robot}
+    by_feeling = {type(partner) for partner in PARTNERS.values() if partner.needs_hands}
+    assert {type(member) for member in population.members} == named - {Walking, Robot} - by_feeling
     core = Transport(num_worlds=200, partner="population")
     _, info = core.reset(seed=0)
     assert set(info["partner_kind"]) == set(range(len(population.members)))
@@ -315,7 +317,8 @@ def test_a_member_of_a_population_acts_as_it_does_by_itself():
 @pytest.mark.parametrize("name", PARTNERS)
 @pytest.mark.parametrize("option", ["forces", "three agents", "five agents", "small heavy body"])
 def test_every_kind_can_be_met_in_every_body(name, option):
-    core = Transport(num_worlds=2, partner=name, horizon=8, **OPTIONS[option])
+    keywords = {**OPTIONS[option], **acting(name)}
+    core = Transport(num_worlds=2, partner=name, horizon=8, **keywords)
     core.reset(seed=0)
     ended = None
     for _ in range(12):
@@ -353,10 +356,9 @@ def test_the_compiled_guidance_is_that_of_the_scripted_controller(scene):
                 load.mass[k], load.inertia[k], load.linear_drag[k], load.angular_drag[k],
                 *core.transition.conditions.room.gravity[k],
             )  # fmt: skip
-            mine = object_wrench(
-                row, state.pose[k], state.twist[k], state.goal[k],
-                weights, size[k], Outline(load.outline, k, body.reach),
-            )  # fmt: skip
+            outline, twist = Outline(load.outline, k, body.reach), state.twist[k]
+            lead = guiding_twist(row, state.pose[k], state.goal[k], size[k], outline)
+            mine = object_wrench(row, state.pose[k], twist, lead, twist, weights)
             np.testing.assert_allclose(mine, wanted[k], rtol=1e-9, atol=1e-9)
 
 

@@ -21,7 +21,7 @@ PARTS = np.array(
 
 def stepped(
     role, *, pose, twist, before, ahead=(0.0, 0.0, 0.0), goal=(0.0, 0.0, 0.0), wanted=(0, 0, 0),
-    limits=((1e3, 1e3), (1e3, 1e3)), driven=(1,), **columns,
+    limits=((1e3, 1e3), (1e3, 1e3)), driven=(1,), gravity=(0.0, 0.0), hands_as=None, **columns,
 ):  # fmt: skip
     """Wrenches ``(driven, 3)`` of one step in one world, and the partner's mind after it."""
     rows = traits.same_twice(1, role=role, **columns)
@@ -36,12 +36,14 @@ def stepped(
     outline = np.array([[(-0.5, -0.1), (0.5, -0.1), (0.5, 0.1), (-0.5, 0.1)]])
     load = [np.array([each]) for each in (MASS, INERTIA, DRAG, SPIN_DRAG)]
     frame = np.array([[(1.0, 0.0), (0.0, 1.0)]])  # agent 1 looks along the object's y
+    nothing = np.zeros((1, 0, 3))
+    stretch, felt, springs, fastest = hands_as or (nothing, nothing, nothing, nothing)
     out = hands.act(
         tuple(mind),
-        (*seen, np.array([APPLIED])),
-        (*load, outline, np.array([0.51]), np.array([(20.0, 20.0)]), np.zeros((1, 2))),
+        (*seen, np.array([APPLIED]), stretch, felt),
+        (*load, outline, np.array([0.51]), np.array([(20.0, 20.0)]), np.array([gravity])),
         (np.array([GRIPS]), frame, np.array([limits]), PARTS[None], 2 * PARTS[None],
-         np.array(driven)),
+         np.array(driven), springs, fastest),
         DT,
     )  # fmt: skip
     return out[0], mind
@@ -152,3 +154,59 @@ def test_two_unsteady_hands_are_unsteady_each_by_itself():
     noise = core.transition.applied[:, [0, 2]].reshape(400, 6)
     np.testing.assert_allclose(noise.std(axis=0), [1, 1, 2] * 2, rtol=0.15)
     assert np.abs(np.corrcoef(noise.T) - np.eye(6)).max() < 0.2
+
+
+STIFF, TURN_STIFF, DAMPED, TURN_DAMPED = 100.0, 10.0, 20.0, 4.0
+REPLY = np.array([DAMPED + STIFF * DT / 2] * 2 + [TURN_DAMPED + TURN_STIFF * DT / 2])
+SPRING = np.array([STIFF, STIFF, TURN_STIFF])
+STRETCH, FELT = np.array([0.03, -0.01, 0.2]), np.array([5.0, -2.0, 1.0])
+STILL = {"pose": (0, 0, 0), "twist": (0, 0, 0), "before": (0, 0, 0)}
+
+
+def held(stretch=STRETCH, felt=FELT, speed=10.0):
+    """What the hands of both agents sense, their springs and how fast they are; alike."""
+    springs = [[(STIFF, TURN_STIFF, DAMPED, TURN_DAMPED)] * 2]
+    rows = ([[stretch] * 2], [[felt] * 2], springs, [[(speed, speed)] * 2])
+    return tuple(np.array(row, dtype=float) for row in rows)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0), (1.0, -3.0)])
+def test_who_gives_way_goes_with_its_grip_and_away_from_what_it_feels_beyond_its_weight(gravity):
+    given, mind = stepped(
+        traits.YIELDS, **STILL, gravity=gravity, hands_as=held(), yielding=0.02, turn_yielding=0.1
+    )
+    weight = PARTS[1] @ (-MASS * gravity[0], -MASS * gravity[1], 0)
+    away = -np.array([0.02, 0.02, 0.1]) * (FELT - weight)
+    np.testing.assert_allclose(given, [SPRING * STRETCH + REPLY * away], rtol=1e-12)
+    assert mind.steps.tolist() == [1]
+
+
+def guided(stretch, *, ahead, twist=(0, 0, 0), speed=10.0, **columns):
+    """By how much who guides stretches its hand in a step, as one that goes so beside its grip."""
+    taste = {"lead": 0.5, "turn_lead": 0.6, "easing": 2.0, **columns}
+    sensed = held(stretch, speed=speed)
+    still = {**STILL, "twist": twist}
+    given, _ = stepped(traits.GUIDES, **still, ahead=ahead, hands_as=sensed, **taste)
+    return (given[0] - SPRING * stretch) / REPLY * DT
+
+
+def test_who_guides_goes_on_along_its_way_and_lets_its_lead_fade():
+    # Twice the way (0.2, -0.1, 0.15) is wanted; the grip is at (0.5, 0.25)
+    more = guided(STRETCH, ahead=(0.2, -0.1, 0.15))
+    lacking = np.array([0.4 - 0.3 * 0.25, -0.2 + 0.3 * 0.5, 0.3])
+    np.testing.assert_allclose(more, DT * (lacking - 2.0 * STRETCH), rtol=1e-9)
+    follows = guided(STRETCH, ahead=(0.2, -0.1, 0.15), twist=(0.4, -0.2, 0.3))
+    np.testing.assert_allclose(follows, -DT * 2.0 * STRETCH, rtol=1e-9)  # then it only fades
+
+
+def test_who_guides_pulls_no_farther_than_its_lead():
+    far = np.array([0.3, -0.4, 0.59])
+    more = guided(far, ahead=(3.0, -4.0, 3.0), easing=0.0)
+    after = far + more
+    assert np.hypot(*after[:2]) == pytest.approx(0.5)
+    assert after[2] == pytest.approx(0.6)
+
+
+def test_who_guides_goes_no_faster_than_the_slowest_hand_can_follow():
+    slow = guided(np.zeros(3), ahead=(1.0, 0.0, 0.0), speed=0.5)
+    np.testing.assert_allclose(slow, [0.8 * 0.5 * DT, 0.0, 0.0], atol=1e-12)
