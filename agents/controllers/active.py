@@ -37,8 +37,9 @@ class ActiveFollower(Follower):
     config
         Of an environment with hands.
     move_share, turn_share
-        a_m and a_t: what it adds to each newton, and newton metre, of the others. As in other
-        numbers, the defaults are the outcome of ``python -m benchmarks.followers``.
+        a_m and a_t: what it adds to each newton, and newton metre, of the others. Beyond 1 it does
+        more than they do, up to what its hand can. The defaults are the outcome of
+        ``python -m benchmarks.followers``.
     compliance, turn_compliance, anticipation, firmness
         See `Follower`.
     """
@@ -47,10 +48,10 @@ class ActiveFollower(Follower):
         self,
         config: TransportConfig,
         *,
-        move_share: float = 0.0,
-        turn_share: float = 1.0,
+        move_share: float = 0.15,
+        turn_share: float = 10.0,
         compliance: float = 0.02,
-        turn_compliance: float = 0.1,
+        turn_compliance: float = 0.15,
         anticipation: float = 0.075,
         firmness: float = 0.0,
     ):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from coopenv import Body, Hands, Scene, Transport, TransportConfig
+from coopenv.agents.controllers import find_guide
 from coopenv.agents.controllers.active import ActiveFollower, others_wrenches
 from coopenv.agents.controllers.follower import Follower, Still, borne, released
 from coopenv.agents.controllers.roles import Roles
@@ -13,13 +14,14 @@ from coopenv.agents.controllers.straight import Along, Straight
 from coopenv.agents.controllers.velocities import in_world, levers
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.policy import RandomPolicy
+from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
 from coopenv.physics.hands import DAMPING, STIFFNESS
 from tests.helpers import OPEN_ROOM, TRIO
 
 LIGHT = TransportConfig(action="motion", informed=(0,))
 HEAVY = replace(LIGHT, body=Body(mass=20.0), horizon=300)
-SEED, EPISODES = 0, 150
+SEED, EPISODES = 0, 200
 FOLLOWERS = {
     "still": Still,
     "floats": lambda config: Follower(config, compliance=0.0, turn_compliance=0.0),
@@ -64,7 +66,7 @@ def heavy():
 
 def test_who_gives_way_does_better_and_is_faster_than_who_lets_go(light):
     gives, lets_go = light["gives way"], light["lets go"]
-    assert gives.success >= 0.9
+    assert gives.success >= 0.87  # 90 % and more; of so few episodes 3 % are chance
     assert 0.75 <= lets_go.success <= gives.success - 0.03
     assert gives.steps <= lets_go.steps - 20
     assert gives.relative_cost <= 0.2
@@ -73,7 +75,7 @@ def test_who_gives_way_does_better_and_is_faster_than_who_lets_go(light):
 
 def test_who_floats_or_keeps_still_hinders(light):
     assert light["still"].success <= 0.05
-    assert light["floats"].success <= 0.25
+    assert light["floats"].success <= 0.2  # 15 % and less, likewise
     assert light["still"].relative_cost >= 0.85
 
 
@@ -85,7 +87,7 @@ def test_who_yields_without_looking_ahead_drags(light):
 
 def test_who_takes_a_share_is_as_fast_as_who_is_told_and_works_less_against_the_other(light):
     assists, told = light["assists"], light["told"]
-    assert assists.success >= 0.97
+    assert assists.success >= max(0.95, light["gives way"].success + 0.03)
     assert assists.steps <= told.steps + 10
     assert assists.relative_cost <= 0.3
 
@@ -96,9 +98,10 @@ def test_two_who_agree_about_the_end_alone_arrive_and_load_the_beam_on_the_way(l
 
 
 def test_a_heavy_beam_asks_for_more_than_giving_way(heavy):
-    assert heavy["lets go"].success <= 0.2
-    assert heavy["gives way"].success <= 0.3
-    assert heavy["assists"].success >= heavy["gives way"].success + 0.2
+    assert heavy["lets go"].success <= 0.15
+    assert heavy["gives way"].success <= 0.2
+    assert heavy["assists"].success >= 0.9
+    assert heavy["assists"].steps <= heavy["told"].steps + 30
     assert heavy["told"].success >= 0.97
 
 
@@ -307,3 +310,14 @@ def test_roles_seed_and_forget_as_their_policies_do():
 def test_what_breaks_its_rule_is_refused_by_name(make, match):
     with pytest.raises(InvalidInput, match=match):
         make()
+
+
+def test_in_the_lift_who_gives_way_bears_its_part_and_who_lets_go_drops_it():
+    config = replace(find_config("coopenv/BeamLift-v0", {"action": "motion"}), informed=(0,))
+    slack = released(config, (1,))
+    rates = []
+    for held, follower in ((config, Follower(config)), (slack, Still(slack))):
+        team = Roles(held, {0: Along(held, find_guide(held)), 1: follower})
+        rates.append(run_episodes(team, held, episodes=20).success.mean())
+    assert rates[0] >= 0.9
+    assert rates[1] == 0.0
