@@ -82,10 +82,12 @@ LEARNERS: Mapping[str, Learner] = {
 
 
 def possible(cell: Cell) -> bool:
-    """Whether the partner and the term that the cell's learner needs are there."""
+    """Whether the term, and the partner, who moves hands, that its learner needs are there."""
     learner = LEARNERS[cell.follower]
     has_term = learner.term is None or learner.term[0] in rewards.__all__
-    return has_term and learner.others.get("partner") in (None, *PARTNERS)
+    if learner.control == "partner":
+        return has_term and cell.action == "motion" and learner.others["partner"] in PARTNERS
+    return has_term
 
 
 class Stacked:

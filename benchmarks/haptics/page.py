@@ -77,9 +77,11 @@ def table(shown: Sequence[Line]) -> str:
 
 
 def write(shown: Sequence[Line], found: Mapping[Cell, Found], others: Mapping[str, str]) -> None:
-    """Put the table, ``others`` and the figure on the page, and its cells beside it."""
+    """Put the table, ``others`` and the figure on the page, and its cells alone beside it."""
     fill(PAGE, {"haptics": table(shown), **others})
     draw(shown, FIGURE)
+    for path in CELLS.glob("*.json"):
+        path.unlink()
     for one in found.values():
         one.save(CELLS)
 
@@ -98,7 +100,7 @@ def draw(shown: Sequence[Line], path: Path) -> None:
     from matplotlib.figure import Figure
 
     names = list(dict.fromkeys(line.follower for line in shown))
-    figure = Figure(figsize=(10, 1.2 + 0.32 * len(names)), layout="constrained")
+    figure = Figure(figsize=(10, 1.5 + 0.32 * len(names)), layout="constrained")
     panels = figure.subplots(1, len(BEAMS), sharey=True, squeeze=False)[0]
     for axes, beam in zip(panels, BEAMS, strict=True):
         for number, action in enumerate(ACTIONS):
@@ -118,7 +120,7 @@ def draw(shown: Sequence[Line], path: Path) -> None:
         axes.grid(axis="x", alpha=0.3)
     panels[0].set_yticks(range(len(names)), names)
     panels[0].invert_yaxis()
-    panels[-1].legend(loc="lower right")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     with written(path) as part:
         figure.savefig(part, format="png", dpi=110, metadata={"Software": None})
 

@@ -51,6 +51,10 @@ def _floats(config: TransportConfig) -> Policy:
     return Follower(config, compliance=0.0, turn_compliance=0.0)
 
 
+def _floats_late(config: TransportConfig) -> Policy:
+    return Follower(config, compliance=0.0, turn_compliance=0.0, anticipation=0.0)
+
+
 def _late(config: TransportConfig) -> Policy:
     return Follower(config, anticipation=0.0)
 
@@ -58,6 +62,7 @@ def _late(config: TransportConfig) -> Policy:
 FOLLOWERS: Mapping[str, Callable[[TransportConfig], Made]] = {
     "keeps still": _beside(Still),
     "floats": _beside(_floats),
+    "floats late": _beside(_floats_late),
     "lets go": _lets_go,
     "gives way late": _beside(_late),
     "gives way": _beside(Follower),
