@@ -24,9 +24,7 @@ from coopenv.agents.evaluate import run_episodes
 SEED, EPISODES = 900, 100  # of the evaluation; tests and the page have other ones
 BEAMS = {
     "7.7 kg": TransportConfig(action="motion", informed=(0,)),
-    "20 kg": TransportConfig(
-        action="motion", informed=(0,), body=Body(mass=20.0, grips=Body().grips), horizon=300
-    ),
+    "20 kg": TransportConfig(action="motion", informed=(0,), body=Body(mass=20.0), horizon=300),
 }
 GRIDS: dict[type[Follower], dict[str, tuple[float, ...]]] = {
     Follower: {

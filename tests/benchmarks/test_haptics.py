@@ -52,7 +52,7 @@ def test_a_policy_sees_the_frames_that_it_learned_from():
     for _ in range(18):  # beyond two ends
         transition = plain.transport.transition
         assert transition is not None
-        policy_of_frames(obs.reshape(3, 2, -1), transition)
+        policy_of_frames(np.asarray(obs).reshape(3, 2, -1), transition)
         np.testing.assert_array_equal(seen[-1], wanted)
         action = generator.uniform(-1, 1, (6, 3)).astype(np.float32)
         obs, *_ = plain.step(action)
