@@ -1,8 +1,9 @@
 """Training with PPO: logs, curves, and checkpoints that an interrupted run goes on from."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
 UPDATES = "_n_updates"  # attribute of a model, for its log: gradient epochs that were done
-__all__ = ["EnvironmentChoice", "TrainConfig", "train"]
+__all__ = ["EnvironmentChoice", "TrainConfig", "ppo_settings", "train"]
 
 
 def train(
@@ -225,29 +226,41 @@ def _diverged(done: int, config: TrainConfig) -> InvalidInput:
     )
 
 
-def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
-    scale = feature_scale(venv)
-    model = PPO(
-        "MlpPolicy",
-        venv,
-        n_steps=config.rollout,
-        batch_size=min(config.batch_size, config.rollout * venv.num_envs),
-        n_epochs=config.epochs,
-        learning_rate=FallingRate(config.learning_rate),
-        gamma=config.discount,
-        gae_lambda=config.gae_lambda,
-        clip_range=config.clip_range,
-        ent_coef=config.entropy_weight,
-        tensorboard_log=str(config.out / "tensorboard"),
-        policy_kwargs={
+def ppo_settings(config: TrainConfig, *, rows: int, scale: Sequence[float]) -> dict[str, Any]:
+    """What a ``PPO`` of Stable-Baselines3, or one like it, is made with for a run.
+
+    Parameters
+    ----------
+    config
+        Of the run.
+    rows
+        Of its ``VecEnv``.
+    scale
+        One factor a feature of a row.
+    """
+    return {
+        "n_steps": config.rollout,
+        "batch_size": min(config.batch_size, config.rollout * rows),
+        "n_epochs": config.epochs,
+        "learning_rate": FallingRate(config.learning_rate),
+        "gamma": config.discount,
+        "gae_lambda": config.gae_lambda,
+        "clip_range": config.clip_range,
+        "ent_coef": config.entropy_weight,
+        "policy_kwargs": {
             "net_arch": list(config.hidden),
             "log_std_init": float(np.log(config.initial_std)),
             "features_extractor_class": Scaled,
-            "features_extractor_kwargs": {"scale": scale},
+            "features_extractor_kwargs": {"scale": list(scale)},
         },
-        seed=config.seed,
-        device="cpu",
-    )
+        "seed": config.seed,
+        "device": "cpu",
+    }
+
+
+def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
+    settings = ppo_settings(config, rows=venv.num_envs, scale=feature_scale(venv))
+    model = PPO("MlpPolicy", venv, tensorboard_log=str(config.out / "tensorboard"), **settings)
     _seed_worlds(config, venv, steps=0)  # after PPO, which seeds them as well
     return model
 

@@ -7,26 +7,37 @@ from coopenv.errors import InvalidInput
 from coopenv.tasks import DoorwayTask, LiftTask, RollingTask, TrackingTask
 
 from ..policy import RandomPolicy
+from .active import ActiveFollower
 from .doorway import DoorwayController
+from .follower import Follower, Still, released
 from .impedance import Gains, ImpedanceController, approach, wrapped
 from .lift import LiftController
 from .motion import MotionController
+from .roles import Roles
+from .straight import Along, Straight
 from .tracking import TrackingController
 from .walker import WalkerController
 
 __all__ = [
     "CONTROLLERS",
+    "ActiveFollower",
+    "Along",
     "DoorwayController",
+    "Follower",
     "Gains",
     "ImpedanceController",
     "LiftController",
     "MotionController",
     "RandomPolicy",
+    "Roles",
+    "Still",
+    "Straight",
     "TrackingController",
     "WalkerController",
     "approach",
     "find_controller",
     "find_guide",
+    "released",
     "wrapped",
 ]
 

@@ -114,4 +114,6 @@ def test_agents_that_a_partner_drives_count_since_they_may_have_hands():
         TransportConfig(action="motion", hands=hands)
     for driven in (0, 1):
         with pytest.raises(InvalidInput, match="substeps must be at least"):
-            TransportConfig(action="motion", hands=hands, partner="leader", partner_agents=(driven,))
+            TransportConfig(
+                action="motion", hands=hands, partner="leader", partner_agents=(driven,)
+            )
