@@ -254,9 +254,9 @@ def test_a_policy_that_learned_to_move_hands_moves_them_and_gives_no_wrenches(fi
     moving = replace(SEEN, action="motion")
     mover = saved(tmp_path / "mover.zip", moving)
     beside(mover, sb3.SB3Policy.load(mover), (0, 1), moving)
-    with pytest.raises(InvalidInput, match="must be 'motion' for a policy .* got 'wrench'"):
+    with pytest.raises(InvalidInput, match=r"must be 'motion' for a policy .* got 'wrench'"):
         Transport(config=replace(OTHER, partner=mover))
-    with pytest.raises(InvalidInput, match="must be 'wrench' for a policy .* got 'motion'"):
+    with pytest.raises(InvalidInput, match=r"must be 'wrench' for a policy .* got 'motion'"):
         Transport(config=replace(OTHER, partner=files["joint"], action="motion"))
 
 
