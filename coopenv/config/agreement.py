@@ -35,11 +35,30 @@ def check_ranges(
     for body in set(bodies):
         ranges.check(body)
     for body, scene in _together(bodies, scenes):
-        for extreme in Variations(ranges, body, strengths).extremes():
+        _check_ground(ranges, body, scene)
+        extremes = Variations(ranges, body, strengths).extremes()
+        for extreme, room in product(extremes, ranges.scenes(scene)):
             try:
-                task.check(extreme, scene)
+                task.check(extreme, room)
             except InvalidInput as error:
                 raise InvalidInput(f"randomise must leave the task possible: {error}") from error
+
+
+def _check_ground(ranges: Ranges, body: Body, scene: Scene) -> None:
+    """Raise `InvalidInput` where friction is drawn for a ground that cannot rub the body."""
+    drawn = ranges.ground_friction
+    if drawn is None or drawn[1] == 0:
+        return
+    if body.nonholonomic:
+        raise InvalidInput(
+            f"randomise.ground_friction must be left out on wheels, got {drawn}; wheels roll on "
+            "the ground: draw linear_drag and angular_drag instead"
+        )
+    if scene.normal_gravity == 0:
+        raise InvalidInput(
+            "randomise.ground_friction must come with a scene.normal_gravity that presses the body "
+            f"on its ground, got {drawn} and 0 m/s²; drop it where the plane stands upright"
+        )
 
 
 def check_partner(

@@ -64,12 +64,15 @@ def check_integrable(
     substeps are looked at: the stiffest hands and the lightest body, longest and shortest, with its
     grips as far out as may be drawn.
     """
-    rubbing = [body.ground_friction for body in bodies if body.ground_friction > 0]
-    if rubbing:
-        raise InvalidInput(
-            f"body.ground_friction must be 0 where hands hold the body, got {rubbing[0]:g}; choose "
-            "action='wrench' or 'force' there"
-        )
+    rubbing = [("body", body.ground_friction) for body in bodies]
+    if ranges is not None and ranges.ground_friction is not None:
+        rubbing.append(("randomise", ranges.ground_friction[1]))
+    for where, friction in rubbing:
+        if friction > 0:
+            raise InvalidInput(
+                f"{where}.ground_friction must be 0 where hands hold the body, got {friction:g}; "
+                "choose action='wrench' or 'force' there"
+            )
     needed = 0
     for body in bodies:
         for held, table in _hardest(body, strengths, ranges):
