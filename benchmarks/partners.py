@@ -1,22 +1,24 @@
 """Every partner in every environment, beside the scripted controller: docs/partners.md.
 
-python -m benchmarks.partners            # prints the tables; a few minutes of one core
-python -m benchmarks.partners --write    # and writes docs/partners.md
+python -m benchmarks.partners                     # prints the tables; minutes of one core
+python -m benchmarks.partners --write             # and writes docs/partners.md
+python -m benchmarks.partners --write BeamLift    # measures these columns, keeps the others
 """
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from rich.progress import track
 
-from benchmarks.pages import DOCS, fill, markdown
+from benchmarks.pages import DOCS, cells, fill, markdown
 from coopenv import TransportConfig
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.partners import PARTNERS, Kind, LoadSharing, default_partner
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.envs.registry import find_config
+from coopenv.errors import UnknownName
 from coopenv.transport import Transport
 
 PAGE = DOCS / "partners.md"
@@ -44,6 +46,7 @@ PLACES = {
     "BeamTracking": Place(env="BeamTracking"),
     "WalkerTurn": Place(env="WalkerTurn"),
     "WalkerAvoid": Place(env="WalkerAvoid"),
+    "BeamLift": Place(env="BeamLift"),
     "WalkerTurn, drive": Place(env="WalkerTurn", agents=(1,)),
     "WalkerAvoid, drive": Place(env="WalkerAvoid", agents=(1,)),
 }
@@ -104,19 +107,23 @@ def measure(kind: str, place: str, episodes: int = EPISODES) -> Cell:
     )
 
 
-def measure_all() -> dict[tuple[str, str], Cell]:
-    """Every kind in every place."""
-    cells = [(kind, place) for kind in KINDS for place in PLACES]
-    return {cell: measure(*cell) for cell in track(cells, "kind, place")}
+def measure_all(places: Sequence[str]) -> dict[tuple[str, str], Cell]:
+    """Every kind in these places."""
+    asked = [(kind, place) for kind in KINDS for place in places]
+    return {cell: measure(*cell) for cell in track(asked, "kind, place")}
 
 
 def tables(measured: Measured) -> dict[str, str]:
-    """The page's tables by the names of their marks."""
+    """The page's tables by the names of their marks; what was not measured stays as it is there."""
     return {
-        "success": _table(measured, _success),
+        "success": _table("success", measured, _success),
         "reasons": reasons(),
-        "relative cost": _table(measured, lambda kind, place, cell: f"{cell.relative_cost:.3f}"),
-        "disagreement": _table(measured, lambda kind, place, cell: f"{cell.disagreement:.2f}"),
+        "relative cost": _table(
+            "relative cost", measured, lambda _, cell: f"{cell.relative_cost:.3f}"
+        ),
+        "disagreement": _table(
+            "disagreement", measured, lambda _, cell: f"{cell.disagreement:.2f}"
+        ),
     }
 
 
@@ -125,16 +132,25 @@ def reasons() -> str:
     return "\n".join(f"- ({letter}) {reason}" for letter, reason in REASONS.items())
 
 
-def _table(measured: Measured, show: Callable[[str, str, Cell], str]) -> str:
-    rows = [
-        [kind, *(show(kind, place, measured[kind, place]) for place in PLACES)] for kind in KINDS
-    ]
+def on_page(name: str) -> dict[tuple[str, str], str]:
+    """What stands in each cell of a table of the page, by kind and place."""
+    (_, *places), *rows = cells(PAGE, name)
+    return {
+        (kind, place): shown
+        for kind, *line in rows
+        for place, shown in zip(places, line, strict=True)
+    }
+
+
+def _table(name: str, measured: Measured, show: Callable[[tuple[str, str], Cell], str]) -> str:
+    shown = {**on_page(name), **{at: show(at, cell) for at, cell in measured.items()}}
+    rows = [[kind, *(shown[kind, place] for place in PLACES)] for kind in KINDS]
     return markdown(("partner", *PLACES), rows)
 
 
-def _success(kind: str, place: str, cell: Cell) -> str:
+def _success(at: tuple[str, str], cell: Cell) -> str:
     """Per cent; bold where the kind is the default, with a letter where it is not meant to."""
-    shown = f"{cell.success:.1f}"
+    (kind, place), shown = at, f"{cell.success:.1f}"
     if PLACES[place].agents is None and default_partner(PLACES[place].config(None)) == kind:
         shown = f"**{shown}**"
     letter = NOT_MEANT.get((kind, place))
@@ -143,7 +159,11 @@ def _success(kind: str, place: str, cell: Cell) -> str:
 
 def main() -> None:
     """Print the tables; with ``--write`` also put them on the page."""
-    made = tables(measure_all())
+    asked = [word for word in sys.argv[1:] if word != "--write"]
+    for place in asked:
+        if place not in PLACES:
+            raise UnknownName("column", place, PLACES)
+    made = tables(measure_all(asked or [*PLACES]))
     print("\n\n".join(made.values()))
     if "--write" in sys.argv[1:]:
         fill(PAGE, made)
