@@ -56,29 +56,35 @@ HUMANS = ("WalkerTurn", "WalkerAvoid")
 
 REASONS = {  # why a kind is not meant to succeed in a place
     "a": "It does nothing; what the scripted learner brings about with its own part alone.",
-    "b": "It heads straight for the goal, which leads it against the wall beside the gap.",
+    "b": "It heads straight for the goal, which leads it against the wall beside the gap, or "
+    "against the obstacle, where the beam leans.",
     "c": "It does not know that a body on wheels has to be turned first, and which way.",
     "d": "It has no plan and answers what it feels, while the scripted drive only turns: nobody "
     "pushes.",
     "e": "It has no plan and answers what it feels, while the scripted human only pushes: nobody "
     "turns.",
     "f": "It wants the object elsewhere and does not give in, so that it comes to rest in between.",
-    "g": "As b, c or d, while it leads or follows.",
+    "g": "As b, c, d or j, while it leads or follows.",
     "h": "Some of its members are not meant to succeed here.",
     "i": "It does not turn the walker exactly enough against its drag: a drive is a robot.",
+    "j": "It has no plan and answers what it feels, so that its end rises after the other's: the "
+    "beam leans, and has failed or hangs there.",
+    "k": "It bears 0.6 to 1.4 times its part of a weight, and lets it sink or rise.",
 }
 _STRAIGHT = ("impedance", "leader", "lagging", "noisy")
 _PLANLESS = ("follower", "load_sharing")
 NOT_MEANT: dict[tuple[str, str], str] = {
     **{(NOBODY, place): "a" for place in PLACES},
-    **{(kind, "BeamDoorway"): "b" for kind in _STRAIGHT},
+    **{(kind, place): "b" for kind in _STRAIGHT for place in ("BeamDoorway", "BeamLift")},
     **{(kind, place): "c" for kind in _STRAIGHT for place in DRIVES},
     **{(kind, place): "d" for kind in _PLANLESS for place in HUMANS},
     **{(kind, place): "e" for kind in _PLANLESS for place in DRIVES},
+    **{(kind, "BeamLift"): "j" for kind in _PLANLESS},
     **{("stubborn", place): "f" for place in PLACES},
-    **{("switching", place): "g" for place in ("BeamDoorway", *HUMANS, *DRIVES)},
+    **{("switching", place): "g" for place in ("BeamDoorway", "BeamLift", *HUMANS, *DRIVES)},
     **{("population", place): "h" for place in PLACES},
     **{("walking", place): "i" for place in DRIVES},
+    ("walking", "BeamLift"): "k",
 }
 
 
