@@ -12,6 +12,7 @@ from coopenv.config.described import Described
 from coopenv.config.hands import check_integrable, hands_for
 from coopenv.config.keywords import (
     built,
+    one_or_more,
     read_agents,
     read_flag,
     read_limit,
@@ -19,7 +20,7 @@ from coopenv.config.keywords import (
     read_partner,
     read_task,
 )
-from coopenv.config.worlds import each, one_or_more, spread
+from coopenv.config.worlds import each, spread
 from coopenv.errors import UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.observation.bounds import Bounds

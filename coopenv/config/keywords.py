@@ -194,6 +194,15 @@ def built(value: Any, name: str, kind: type) -> Any:
     return kind(**value)
 
 
+def one_or_more(value: Any, name: str, kind: type) -> Any:
+    """One of ``kind``, or a sequence of them as a tuple."""
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if not value:
+            raise InvalidInput(f"{name} must not be empty, got {value!r}; give one, or one a world")
+        return tuple(built(entry, name, kind) for entry in value)
+    return built(value, name, kind)
+
+
 def read_flag(value: Any, name: str) -> bool:
     """``value`` as a bool, or raise `InvalidInput` unless it is one."""
     if not isinstance(value, bool | np.bool_):

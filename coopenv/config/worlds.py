@@ -1,28 +1,17 @@
 """What is one for all worlds, or one a world."""
 
-from collections.abc import Sequence
 from typing import Any
 
-from coopenv.config.keywords import built
 from coopenv.errors import InvalidInput
 
 
-def one_or_more(value: Any, name: str, kind: type) -> Any:
-    """One of ``kind``, or a sequence of them as a tuple."""
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        if not value:
-            raise InvalidInput(f"{name} must not be empty, got {value!r}; give one, or one a world")
-        return tuple(built(entry, name, kind) for entry in value)
-    return built(value, name, kind)
-
-
 def each(value: Any) -> tuple[Any, ...]:
-    """All that there are, as a tuple, of what `one_or_more` read."""
+    """All that there are, as a tuple, of what `coopenv.config.keywords.one_or_more` read."""
     return value if isinstance(value, tuple) else (value,)
 
 
 def spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
-    """One for each of ``num_worlds`` worlds, of what `one_or_more` read.
+    """One for each of ``num_worlds`` worlds, of what `coopenv.config.keywords.one_or_more` read.
 
     Raises
     ------
