@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from coopenv.observation.blocks import OF_BODY
 from coopenv.observation.view import VIEW, WRENCH_UNIT
 from coopenv.transport import Transport
 
@@ -23,7 +24,7 @@ def scale_of_features(transport: Transport) -> list[float]:
         if block.unit == WRENCH_UNIT
     }
     usual = core.conditions.parameters()
-    body = [1 / (np.abs(value).max() or 1.0) for value in usual.values() if value.ndim == 1]
+    body = [1 / (np.abs(usual[name]).max() or 1.0) for name in OF_BODY]
     limits = [1 / force, 1 / torque]
     known["body"] = [*body, 1.0, *limits, *[1.0, 1.0, *limits] * (core.num_agents - 1)]
     bound = np.maximum(np.abs(core.observation.low), np.abs(core.observation.high))

@@ -18,6 +18,13 @@ def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def cells(page: Path, name: str) -> list[list[str]]:
+    """The table of that name on the page, a list of cells a line: first the columns, then rows."""
+    table = page.read_text(encoding="utf-8").split(f"<!-- {name} -->\n")[1]
+    lines = table.splitlines()
+    return [line[2:-2].split(" | ") for line in (lines[0], *lines[2:])]
+
+
 def filled(page: Path, tables: Mapping[str, str]) -> str:
     """The text of ``page`` with each table between the marks of its name."""
     text = page.read_text(encoding="utf-8")

@@ -1,23 +1,25 @@
 """Every partner in every environment, beside the scripted controller: docs/partners.md.
 
-python -m benchmarks.partners            # prints the tables; a few minutes of one core
-python -m benchmarks.partners --write    # and writes docs/partners.md
-python -m benchmarks.partners --hands    # the table of hands alone, with --write too
+python -m benchmarks.partners                     # prints the tables; minutes of one core
+python -m benchmarks.partners --write             # and writes docs/partners.md
+python -m benchmarks.partners --write BeamLift    # measures these columns, keeps the others
+python -m benchmarks.partners --hands             # the table of hands alone, with --write too
 """
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from rich.progress import track
 
-from benchmarks.pages import DOCS, markdown, show
+from benchmarks.pages import DOCS, cells, markdown, show
 from coopenv import TransportConfig
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.partners import PARTNERS, Kind, LoadSharing, default_partner
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.envs.registry import find_config
+from coopenv.errors import UnknownName
 from coopenv.transport import Transport
 
 PAGE = DOCS / "partners.md"
@@ -50,6 +52,7 @@ PLACES = {
     "BeamTracking": Place(env="BeamTracking"),
     "WalkerTurn": Place(env="WalkerTurn"),
     "WalkerAvoid": Place(env="WalkerAvoid"),
+    "BeamLift": Place(env="BeamLift"),
     "WalkerTurn, drive": Place(env="WalkerTurn", agents=(1,)),
     "WalkerAvoid, drive": Place(env="WalkerAvoid", agents=(1,)),
 }
@@ -60,29 +63,35 @@ HELD = (*BEAMS, "BeamLift", *HUMANS)  # columns of the table of hands
 
 REASONS = {  # why a kind is not meant to succeed in a place
     "a": "It does nothing; what the scripted learner brings about with its own part alone.",
-    "b": "It heads straight for the goal, which leads it against the wall beside the gap.",
+    "b": "It heads straight for the goal, which leads it against the wall beside the gap, or "
+    "against the obstacle, where the beam leans.",
     "c": "It does not know that a body on wheels has to be turned first, and which way.",
     "d": "It has no plan and answers what it feels, while the scripted drive only turns: nobody "
     "pushes.",
     "e": "It has no plan and answers what it feels, while the scripted human only pushes: nobody "
     "turns.",
     "f": "It wants the object elsewhere and does not give in, so that it comes to rest in between.",
-    "g": "As b, c or d, while it leads or follows.",
+    "g": "As b, c, d or j, while it leads or follows.",
     "h": "Some of its members are not meant to succeed here.",
     "i": "It does not turn the walker exactly enough against its drag: a drive is a robot.",
+    "j": "It has no plan and answers what it feels, so that its end rises after the other's: the "
+    "beam leans, and has failed or hangs there.",
+    "k": "It bears 0.6 to 1.4 times its part of a weight, and lets it sink or rise.",
 }
 _STRAIGHT = ("impedance", "leader", "lagging", "noisy")
 _PLANLESS = ("follower", "load_sharing")
 NOT_MEANT: dict[tuple[str, str], str] = {
     **{(NOBODY, place): "a" for place in PLACES},
-    **{(kind, "BeamDoorway"): "b" for kind in _STRAIGHT},
+    **{(kind, place): "b" for kind in _STRAIGHT for place in ("BeamDoorway", "BeamLift")},
     **{(kind, place): "c" for kind in _STRAIGHT for place in DRIVES},
     **{(kind, place): "d" for kind in _PLANLESS for place in HUMANS},
     **{(kind, place): "e" for kind in _PLANLESS for place in DRIVES},
+    **{(kind, "BeamLift"): "j" for kind in _PLANLESS},
     **{("stubborn", place): "f" for place in PLACES},
-    **{("switching", place): "g" for place in ("BeamDoorway", *HUMANS, *DRIVES)},
+    **{("switching", place): "g" for place in ("BeamDoorway", "BeamLift", *HUMANS, *DRIVES)},
     **{("population", place): "h" for place in PLACES},
     **{("walking", place): "i" for place in DRIVES},
+    ("walking", "BeamLift"): "k",
 }
 
 
@@ -111,10 +120,10 @@ def measure(kind: str, place: str, episodes: int = EPISODES) -> Cell:
     )
 
 
-def measure_all() -> dict[tuple[str, str], Cell]:
-    """Every kind in every place."""
-    cells = [(kind, place) for kind in KINDS for place in PLACES]
-    return {cell: measure(*cell) for cell in track(cells, "kind, place")}
+def measure_all(places: Sequence[str]) -> dict[tuple[str, str], Cell]:
+    """Every kind in these places."""
+    asked = [(kind, place) for kind in KINDS for place in places]
+    return {cell: measure(*cell) for cell in track(asked, "kind, place")}
 
 
 def hands_table(episodes: int = HANDS_EPISODES) -> str:
@@ -129,12 +138,19 @@ def hands_table(episodes: int = HANDS_EPISODES) -> str:
 
 
 def tables(measured: Measured) -> dict[str, str]:
-    """The page's tables of wrenches by the names of their marks."""
+    """The page's tables of wrenches by the names of their marks.
+
+    What was not measured stays as it is there.
+    """
     return {
-        "success": _table(measured, _success),
+        "success": _table("success", measured, _success),
         "reasons": reasons(),
-        "relative cost": _table(measured, lambda kind, place, cell: f"{cell.relative_cost:.3f}"),
-        "disagreement": _table(measured, lambda kind, place, cell: f"{cell.disagreement:.2f}"),
+        "relative cost": _table(
+            "relative cost", measured, lambda _, cell: f"{cell.relative_cost:.3f}"
+        ),
+        "disagreement": _table(
+            "disagreement", measured, lambda _, cell: f"{cell.disagreement:.2f}"
+        ),
     }
 
 
@@ -143,16 +159,25 @@ def reasons() -> str:
     return "\n".join(f"- ({letter}) {reason}" for letter, reason in REASONS.items())
 
 
-def _table(measured: Measured, show: Callable[[str, str, Cell], str]) -> str:
-    rows = [
-        [kind, *(show(kind, place, measured[kind, place]) for place in PLACES)] for kind in KINDS
-    ]
+def on_page(name: str) -> dict[tuple[str, str], str]:
+    """What stands in each cell of a table of the page, by kind and place."""
+    (_, *places), *rows = cells(PAGE, name)
+    return {
+        (kind, place): shown
+        for kind, *line in rows
+        for place, shown in zip(places, line, strict=True)
+    }
+
+
+def _table(name: str, measured: Measured, show: Callable[[tuple[str, str], Cell], str]) -> str:
+    shown = {**on_page(name), **{at: show(at, cell) for at, cell in measured.items()}}
+    rows = [[kind, *(shown[kind, place] for place in PLACES)] for kind in KINDS]
     return markdown(("partner", *PLACES), rows)
 
 
-def _success(kind: str, place: str, cell: Cell) -> str:
+def _success(at: tuple[str, str], cell: Cell) -> str:
     """Per cent; bold where the kind is the default, with a letter where it is not meant to."""
-    shown = f"{cell.success:.1f}"
+    (kind, place), shown = at, f"{cell.success:.1f}"
     if PLACES[place].agents is None and default_partner(PLACES[place].config(None)) == kind:
         shown = f"**{shown}**"
     letter = NOT_MEANT.get((kind, place))
@@ -161,9 +186,15 @@ def _success(kind: str, place: str, cell: Cell) -> str:
 
 def main() -> None:
     """Print the tables; with ``--write`` also put them on the page."""
-    wanted = sys.argv[1:]
-    made = {} if "--hands" in wanted else tables(measure_all())
-    show(PAGE, {**made, "by hands": hands_table()})
+    asked = [word for word in sys.argv[1:] if word not in ("--write", "--hands")]
+    for place in asked:
+        if place not in PLACES:
+            raise UnknownName("column", place, PLACES)
+    by_hand = "--hands" in sys.argv[1:]
+    made = {} if by_hand else tables(measure_all(asked or [*PLACES]))
+    if by_hand or not asked:
+        made["by hands"] = hands_table()
+    show(PAGE, made)
 
 
 if __name__ == "__main__":

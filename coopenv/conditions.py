@@ -1,7 +1,7 @@
 """Conditions of an episode, one row a world: body, scene, team, plan, and who is told the goal."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -108,12 +108,13 @@ class Load:
     linear_drag: FloatArray  # (world,) [N·s/m]
     angular_drag: FloatArray  # (world,) [N·m·s]
     friction: FloatArray  # (world,)
+    ground_friction: FloatArray  # (world,)
     outline: FloatArray  # (world, vertex, 2), object frame [m]; short ones repeat their last vertex
 
     @classmethod
     def of(cls, bodies: Sequence[Body], vertices: int) -> "Load":
         """One row a body, with space for ``vertices`` in each outline."""
-        numbers = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
+        numbers = [entry.name for entry in fields(cls) if entry.name != "outline"]
         return cls(
             **{name: np.array([getattr(b, name) for b in bodies], dtype=float) for name in numbers},
             outline=np.array(
@@ -161,15 +162,16 @@ class Conditions:
     plan: FloatArray  # (world, number): what the task drew for itself; see `coopenv.tasks.Episode`
     told: BoolArray  # (world, agent, 2): who is told the goal's place, and its angle
     key: npt.NDArray[np.uint64]  # (world,): what errors of sensors are drawn with; see `Sensor`
-    randomised: bool = False  # whether body and team are drawn anew in every episode
+    randomised: bool = False  # whether `coopenv.Ranges` are drawn from in every episode
 
     def parameters(self) -> dict[str, FloatArray]:
-        """What is carried and by how strong a team, by the names of `coopenv.Ranges`.
+        """What is carried, where and by how strong a team, by the names of `coopenv.Ranges`.
 
-        ``(world,)`` each; ``grips`` ``(world, agent, 2)`` in the object frame [m], limits,
-        where there are hands stiffness and damping, and where there are actuators delay, time
-        constant and rate limit (`coopenv.physics.actuators.UNLIMITED` for none), ``(world,
-        agent)``. The arrays are the conditions' own.
+        ``(world,)`` each, ``gravity`` as the strength of that in the plane [m/s²]; ``grips``
+        ``(world, agent, 2)`` in the object frame [m], limits, where there are hands stiffness and
+        damping, and where there are actuators delay, time constant and rate limit
+        (`coopenv.physics.actuators.UNLIMITED` for none), ``(world, agent)``. The arrays are the
+        conditions' own.
         """
         load, along = self.load, self.load.outline[..., 0]
         return {
@@ -178,11 +180,13 @@ class Conditions:
             "linear_drag": load.linear_drag,
             "angular_drag": load.angular_drag,
             "friction": load.friction,
+            "ground_friction": load.ground_friction,
             "length": along.max(axis=1) - along.min(axis=1),
             "grips": self.team.grips,
             "force_limit": self.team.limits[..., 0],
             "torque_limit": self.team.limits[..., 1],
             **{name: value for name, value in self._tables() if name in Ranges.__slots__},
+            "gravity": np.hypot(self.room.gravity[:, 0], self.room.gravity[:, 1]),
         }
 
     def _tables(self) -> Iterator[tuple[str, FloatArray]]:

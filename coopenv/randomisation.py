@@ -1,4 +1,4 @@
-"""Domain randomisation: ranges from which every episode draws body and team, and what is drawn."""
+"""Domain randomisation: ranges from which every episode draws body, team and gravity."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -8,17 +8,30 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, Range, between, number_range, positive_range, whole
+from coopenv.arrays import (
+    FARTHEST,
+    LARGEST,
+    FloatArray,
+    Range,
+    between,
+    number_range,
+    positive_range,
+    whole,
+)
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.physics.actuators import LONGEST_DELAY
 from coopenv.physics.body import LEAST, Body, Points, copied, second_moments
+from coopenv.physics.scene import Scene
 from coopenv.physics.strengths import columns
 
-_FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction")
+_FIELDS = ("mass", "inertia", "linear_drag", "angular_drag", "friction", "ground_friction")
 # Columns of a team's strengths that keep their share of one that is drawn.
 _SHARES = {"stiffness": "torque_stiffness", "damping": "torque_damping"}
 _RIM = 1e-9  # [m²] edge by distance that counts as on the rim
-_MAY_BE_ZERO = ("linear_drag", "angular_drag", "friction", "damping", "time_constant")
+_MAY_BE_ZERO = (
+    "linear_drag", "angular_drag", "friction", "ground_friction", "gravity", "damping",
+    "time_constant",
+)  # fmt: skip
 _NO_LOGARITHM = ("grips", "delay", "logarithmic")
 
 
@@ -44,6 +57,7 @@ class Ranges:
     linear_drag: Range | None = None  # [N·s/m]
     angular_drag: Range | None = None  # [N·m·s]
     friction: Range | None = None
+    ground_friction: Range | None = None  # times `coopenv.Scene.normal_gravity`, which stays
     length: Range | None = None  # [m] of the outline along x, which stretches the grips' x as well
     # [m] added to each grip along x and across; one at the centre of mass, a drive, stays there
     grips: tuple[Range, Range] | None = None
@@ -51,6 +65,7 @@ class Ranges:
     torque_limit: Range | None = None  # [N·m], each agent its own
     stiffness: Range | None = None  # [N/m] of hands, each agent its own
     damping: Range | None = None  # [N·s/m] of hands, each agent its own
+    gravity: Range | None = None  # [m/s²] in the plane, along that of the scene
     delay: tuple[int, int] | None = None  # [control steps], whole, each agent its own
     time_constant: Range | None = None  # [s] of actuators, each agent its own
     rate_limit: Range | None = None  # [1/s] of actuators, each agent its own
@@ -68,9 +83,35 @@ class Ranges:
                 given = _delays(value, label)
             else:
                 least = LEAST if name in ("mass", "inertia") else 0.0
-                given = positive_range(value, label, or_zero=name in _MAY_BE_ZERO, at_least=least)
+                given = positive_range(
+                    value,
+                    label,
+                    or_zero=name in _MAY_BE_ZERO,
+                    at_least=least,
+                    at_most=FARTHEST if name == "gravity" else LARGEST,
+                )
             object.__setattr__(self, name, given)
         self._check_logarithmic()
+
+    def scene(self, scene: Scene, fraction: float) -> Scene:
+        """``scene`` with the gravity that a number in [0, 1] stands for; as it is without range.
+
+        Raises `InvalidInput` where there is no gravity in the scene.
+        """
+        if self.gravity is None:
+            return scene
+        return scene.with_gravity(_drawn(self.gravity, fraction, self.logs("gravity")))
+
+    def scenes(self, scene: Scene) -> tuple[Scene, ...]:
+        """``scene`` with the least and the most gravity; itself alone without a range."""
+        if self.gravity is None:
+            return (scene,)
+        return self.scene(scene, 0.0), self.scene(scene, 1.0)
+
+    def logs(self, name: str) -> Range | None:
+        """The logarithms of a range's ends, ``None`` where it is drawn uniformly."""
+        ends = getattr(self, name)
+        return (log(ends[0]), log(ends[1])) if name in self.logarithmic else None
 
     def check(self, body: Body) -> None:
         """Raise `InvalidInput` where a grip inside the body might be drawn off it.
@@ -148,10 +189,7 @@ class Variations:
         self._single, self._moves_grips = single, ranges.grips is not None
         self._ends = [ends for *_, ends in plan]
         self._whole = [name == "delay" for name, *_ in plan]
-        self._logs = [
-            (log(ends[0]), log(ends[1])) if name in ranges.logarithmic else None
-            for name, _, ends in plan
-        ]
+        self._logs = [ranges.logs(name) if name != "grips" else None for name, *_ in plan]
         self._moments = second_moments(body.outline)
 
     def __call__(self, fractions: Sequence[float]) -> tuple[Body, FloatArray]:

@@ -137,7 +137,7 @@ class Draws:
     Attributes
     ----------
     scenes
-        One a world, without what episodes bring.
+        One a world, without what episodes bring and draw.
     changing
         Whether an episode's conditions may differ from those of the one before it.
     reach
@@ -154,6 +154,7 @@ class Draws:
         self._needs_keys = any(
             isinstance(entry, Sensor) and entry.is_random for entry in config.observe
         )
+        self._ranges = config.randomise
         self._variations = self._varied_by(config)
         self.changing = self._own_boxes > 0 or self._task.moves or bool(self._variations)
         self.reach = self._farthest()
@@ -181,9 +182,10 @@ class Draws:
         """Conditions with the next episodes of ``worlds``, and their starts and goals."""
         chosen = worlds.tolist()
         carried = [self._carried(generators[k], k) for k in chosen]
+        rooms = [self._room(generators[k], k) for k in chosen]
         episodes = [
-            self._episode(generators[k], k, body)
-            for k, (body, _) in zip(chosen, carried, strict=True)
+            self._episode(generators[k], body, room)
+            for k, (body, _), room in zip(chosen, carried, rooms, strict=True)
         ]
         start = _poses([episode.start for episode in episodes], "start")
         goal = _poses([episode.goal for episode in episodes], "goal")
@@ -197,7 +199,7 @@ class Draws:
             conditions = conditions.with_worlds(
                 worlds,
                 bodies=[body for body, _ in carried],
-                scenes=[self._furnished(k, e) for k, e in zip(chosen, episodes, strict=True)],
+                scenes=[self._furnished(r, e) for r, e in zip(rooms, episodes, strict=True)],
                 strengths=np.array([strengths for _, strengths in carried]),
                 plan=plan,
             )
@@ -214,14 +216,21 @@ class Draws:
         variations = self._variations[body]
         return variations(generator.random(variations.count).tolist())
 
-    def _episode(self, generator: np.random.Generator | None, k: int, body: Body) -> Episode:
+    def _room(self, generator: np.random.Generator | None, k: int) -> Scene:
+        """The scene of world ``k``'s next episode, before the task furnishes it."""
+        if self._ranges is None or self._ranges.gravity is None:
+            return self.scenes[k]
         assert generator is not None
-        drawn = self._task.sample(generator, body, self.scenes[k])
+        return self._ranges.scene(self.scenes[k], float(generator.random()))
+
+    def _episode(self, generator: np.random.Generator | None, body: Body, room: Scene) -> Episode:
+        assert generator is not None
+        drawn = self._task.sample(generator, body, room)
         return drawn if isinstance(drawn, Episode) else Episode(start=drawn[0], goal=drawn[1])
 
-    def _furnished(self, k: int, episode: Episode) -> Scene:
-        """The scene of world ``k`` with the obstacles that an episode brings."""
-        scene, boxes = self.scenes[k], episode.obstacles
+    def _furnished(self, scene: Scene, episode: Episode) -> Scene:
+        """A scene with the obstacles that an episode brings."""
+        boxes = episode.obstacles
         if not boxes:
             return scene
         if len(boxes) > self._own_boxes:

@@ -175,6 +175,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "three agents": {"body": TRIO},
     "plate of four": {"body": Body.plate(4)},
     "randomised": {"randomise": ALONG},
+    "rough ground": {"randomise": Ranges(ground_friction=(0.0, 0.2))},
     "randomised plate": {"body": Body.plate(3), "randomise": WIDE, "observe": ("goal", "body")},
     "partner": {"partner": "population", "horizon": 10},
     "two of three driven": {"body": TRIO, "partner": "noisy", "partner_agents": (0, 2)},
@@ -240,6 +241,7 @@ OWN_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
         },
         "may lean": {"task": LiftTask(tilt_limit=3.1, fall_limit=20.0)},
         "observe hurdle": {"observe": ("hurdle", "down")},
+        "drawn gravity": {"randomise": Ranges(gravity=(7.0, 11.0))},
         "told to one": {"informed": (0,)},
     },
 }

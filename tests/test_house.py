@@ -39,6 +39,7 @@ def test_only_a_description_and_its_partner_know_types_of_each_other():
     assert found == [
         [
             "coopenv.config",
+            "coopenv.config.described",
             "coopenv.config.document",
             "coopenv.config.environment",
             "coopenv.config.keywords",

@@ -1,7 +1,8 @@
 """Every environment with its default reward: ``python -m benchmarks.learning.tasks [--write]``.
 
 The scripted controller and PPO (defaults of `coopenv.agents.settings.TrainConfig`, several seeds)
-on the same held-out episodes. ``--write`` puts the table into ``docs/tasks.md``.
+on the same held-out episodes. ``--write`` puts the table into ``docs/tasks.md``; rows of
+environments that were not asked for stay as they are there.
 """
 
 import time
@@ -15,7 +16,7 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
-from benchmarks.pages import DOCS, fill, markdown
+from benchmarks.pages import DOCS, cells, fill, markdown
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.curves import Row
 from coopenv.agents.evaluate import Evaluation, evaluate
@@ -109,6 +110,14 @@ def rows(tasks: Tasks, tell: Callable[[str], None] = print) -> list[tuple[str, .
     return made
 
 
+def with_others(made: Sequence[Sequence[str]]) -> list[Sequence[str]]:
+    """The page's rows with those that were ``made`` in place of their environments'."""
+    before = cells(PAGE, "learning")[1:]
+    names = dict.fromkeys(row[0] for row in [*before, *made])
+    anew = {row[0] for row in made}
+    return [row for name in names for row in (made if name in anew else before) if row[0] == name]
+
+
 def _cells(seen: Sequence[Evaluation]) -> tuple[str, ...]:
     return (
         _joined(f"{100 * one.success_rate:.1f} %" for one in seen),
@@ -126,7 +135,7 @@ def _joined(values) -> str:
 def main() -> None:
     """Run what the command line asks for."""
     tasks, console = tyro.cli(Tasks), Console()
-    table = markdown((*COLUMNS, *LEARNING), rows(tasks, console.print))
+    table = markdown((*COLUMNS, *LEARNING), with_others(rows(tasks, console.print)))
     console.print(table, markup=False, soft_wrap=True)
     if tasks.write:
         fill(PAGE, {"learning": table})

@@ -37,9 +37,11 @@ def check_ranges(
     for body in set(bodies):
         ranges.check(body)
     for body, scene in _together(bodies, scenes):
-        for extreme in Variations(ranges, body, strengths).extremes():
+        _check_ground(ranges, body, scene)
+        extremes = Variations(ranges, body, strengths).extremes()
+        for extreme, room in product(extremes, ranges.scenes(scene)):
             try:
-                task.check(extreme, scene)
+                task.check(extreme, room)
             except InvalidInput as error:
                 raise InvalidInput(f"randomise must leave the task possible: {error}") from error
 
@@ -53,7 +55,7 @@ def check_strength(
 ) -> None:
     """Raise `InvalidInput` where the team is too weak for the task.
 
-    Of what may be drawn, it is the weakest with the heaviest body. A force is limited along each of
+    Of what may be drawn, it is the weakest with the heaviest body in the most gravity. A force is limited along each of
     an agent's axes, so that between them it may be larger by √2.
     """
     for body, scene in _together(bodies, scenes):
@@ -62,7 +64,7 @@ def check_strength(
             continue
         (_, weakest), (heaviest, _) = Variations(ranges, body, strengths).ends()
         try:
-            task.check_strength(heaviest, scene, _most_force(weakest))
+            task.check_strength(heaviest, ranges.scenes(scene)[-1], _most_force(weakest))
         except InvalidInput as error:
             raise InvalidInput(f"randomise must leave the task possible: {error}") from error
 
@@ -70,6 +72,23 @@ def check_strength(
 def _most_force(strengths: FloatArray) -> float:
     """More than a team gives in any direction [N]."""
     return sqrt(2) * float(parted(strengths)[0][:, 0].sum())
+
+
+def _check_ground(ranges: Ranges, body: Body, scene: Scene) -> None:
+    """Raise `InvalidInput` where friction is drawn for a ground that cannot rub the body."""
+    drawn = ranges.ground_friction
+    if drawn is None or drawn[1] == 0:
+        return
+    if body.nonholonomic:
+        raise InvalidInput(
+            f"randomise.ground_friction must be left out on wheels, got {drawn}; wheels roll on "
+            "the ground: draw linear_drag and angular_drag instead"
+        )
+    if scene.normal_gravity == 0:
+        raise InvalidInput(
+            "randomise.ground_friction must come with a scene.normal_gravity that presses the body "
+            f"on its ground, got {drawn} and 0 m/s²; drop it where the plane stands upright"
+        )
 
 
 def check_partner(

@@ -1,8 +1,8 @@
 """Configuration of an environment: one description for every view."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any, cast
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 
@@ -15,11 +15,10 @@ from coopenv.config.agreement import (
     check_task,
     check_team_size,
 )
-from coopenv.config.document import document_of, fields_in
+from coopenv.config.described import Described
 from coopenv.config.hands import BY_HANDS, check_integrable, check_senses, hands_for
 from coopenv.config.keywords import (
     built,
-    complete,
     one_or_more,
     read_agents,
     read_flag,
@@ -28,8 +27,8 @@ from coopenv.config.keywords import (
     read_partner,
     read_task,
 )
-from coopenv.config.own_code import Trust
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.config.worlds import each, spread
+from coopenv.errors import UnknownName
 from coopenv.observation import DEFAULT_BLOCKS, Entry
 from coopenv.observation.bounds import Bounds
 from coopenv.partner import Partner
@@ -52,7 +51,7 @@ MOST_SUBSTEPS = 10**4  # with more, a control step of one world takes a second
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TransportConfig:
+class TransportConfig(Described):
     """Everything that defines a `coopenv.Transport` but its number of worlds.
 
     Parameters
@@ -108,7 +107,7 @@ class TransportConfig:
         Agents that are told the goal, by number; ``None``: all of them, as far as the task tells
         it. To the others the goal reads 0, and so does the ``known`` block.
     randomise
-        What of body and team every episode draws anew, a `Ranges`; infos then say what was drawn,
+        What episodes draw anew of body, team and gravity, a `Ranges`; infos then say what it was,
         under ``body``. ``None``: nothing.
     partner
         Who drives some of the agents, so that the others learn with somebody: a
@@ -179,63 +178,10 @@ class TransportConfig:
         self._read_team()
         self._check_agreement()
 
-    @classmethod
-    def parse(
-        cls, keywords: Mapping[str, Any], defaults: Mapping[str, Any] | None = None
-    ) -> "TransportConfig":
-        """The configuration that ``keywords`` describe; an unknown name raises `UnknownName`.
-
-        ``defaults`` stand for what the keywords leave out, unless these bring a task of another
-        kind than theirs.
-
-        ``max_episode_steps`` (Gymnasium's word) and ``max_cycles`` (PettingZoo's) stand for
-        ``horizon`` and override it.
-        """
-        return cls(**complete(keywords, defaults or {}, [entry.name for entry in fields(cls)]))
-
-    def to_json(self) -> str:
-        """All of it as JSON text, from which `from_json` makes an equal one.
-
-        The text is strict JSON, made for people, and always the same for the same configuration.
-        Every object says its kind by its public name, and all its fields, so that a default that
-        changes later changes nothing here. Functions and frozen dataclasses of your own are named
-        ``module:name`` with a hash of their source file.
-
-        Raises
-        ------
-        InvalidInput
-            If something could not be found again by its name (a lambda, what is defined in a
-            function or in the script that runs) or would not come back equal; the message names it.
-        """
-        return document_of({entry.name: getattr(self, entry.name) for entry in fields(self)})
-
-    @classmethod
-    def from_json(cls, text: str, *, trust: Trust = False) -> "TransportConfig":
-        """The configuration that `to_json` wrote.
-
-        A field that is not there has its default.
-
-        Parameters
-        ----------
-        text
-            JSON.
-        trust
-            Whether code that is not of coopenv may be imported where the text names it: of these
-            modules (with what is in them), or ``True``: of any. Without it a text from elsewhere
-            runs nothing, whatever is imported already.
-
-        Raises
-        ------
-        InvalidInput, UnknownName
-            If the text is not JSON of this format, a kind, a field or a value is wrong, or code of
-            your own is not trusted, not there, or in a file that has changed since.
-        """
-        return cls(**fields_in(text, [entry.name for entry in fields(cls)], trust))
-
     @property
     def num_agents(self) -> int:
         """Effectors in every world."""
-        return _each(self.body)[0].num_agents
+        return each(self.body)[0].num_agents
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -252,11 +198,11 @@ class TransportConfig:
 
     def bodies(self, num_worlds: int) -> tuple[Body, ...]:
         """One body a world."""
-        return _spread(self.body, "body", num_worlds)
+        return spread(self.body, "body", num_worlds)
 
     def scenes(self, num_worlds: int) -> tuple[Scene, ...]:
         """One scene a world."""
-        return _spread(self.scene, "scene", num_worlds)
+        return spread(self.scene, "scene", num_worlds)
 
     def limits(self) -> FloatArray:
         """``(agent, 2)``: force [N] and torque [N·m] that an action of 1 stands for."""
@@ -292,7 +238,7 @@ class TransportConfig:
         """What bounds the observations, if they are to be ``bounded``."""
         if not self.bounded:
             return None
-        bodies, scenes = _each(self.body), _each(self.scene)
+        bodies, scenes = each(self.body), each(self.scene)
         softest = (
             1.0 if self.action != "impedance" else cast(Hands, self.hands).stiffness_factors[0]
         )
@@ -308,7 +254,7 @@ class TransportConfig:
 
     def _read_team(self) -> None:
         """Read what depends on the number of agents."""
-        check_team_size(_each(self.body))
+        check_team_size(each(self.body))
         _set, count = object.__setattr__, self.num_agents
         for name in ("force_limit", "torque_limit"):
             _set(self, name, read_limit(getattr(self, name), name, count))
@@ -318,7 +264,7 @@ class TransportConfig:
 
     def _check_agreement(self) -> None:
         """Raise where fields that are right by themselves do not go together."""
-        bodies, scenes, count = _each(self.body), _each(self.scene), self.num_agents
+        bodies, scenes, count = each(self.body), each(self.scene), self.num_agents
         if self.hands is not None:
             self.hands.check(count)
         if self.randomise is not None:
@@ -341,19 +287,3 @@ class TransportConfig:
         for terms in (self.terms, self.costs):
             if terms is not None:
                 terms.check(count)
-
-
-def _each(value: Any) -> tuple[Any, ...]:
-    """What is one for all worlds, or one a world, as a tuple."""
-    return value if isinstance(value, tuple) else (value,)
-
-
-def _spread(value: Any, name: str, num_worlds: int) -> tuple[Any, ...]:
-    if not isinstance(value, tuple):
-        return (value,) * num_worlds
-    if len(value) != num_worlds:
-        raise InvalidInput(
-            f"{name} must be one, or one for each of the {num_worlds} worlds, got {len(value)}; "
-            "repeat or drop entries"
-        )
-    return value

@@ -21,11 +21,15 @@ def _known(transition: Transition) -> FloatArray:
     return transition.conditions.told.astype(np.float64)
 
 
+# What the block "body" has of the body itself, whatever else episodes draw.
+OF_BODY = ("mass", "inertia", "linear_drag", "angular_drag", "friction", "length")
+
+
 def _body(transition: Transition) -> FloatArray:
     """What is carried and by whom, for critics that may know more than actors.
 
     Parameters of the body, then grip and limits of each agent, its own first:
-    ``(world, agent, 9 + 4 (n − 1))``. `coopenv.conditions.Conditions.parameters` in order, but the
+    ``(world, agent, 9 + 4 (n − 1))``. As in `coopenv.conditions.Conditions.parameters`, but the
     grips seen from the centre of mass along the agent's own axes. There its own has no y.
     """
     named, frame = transition.conditions.parameters(), transition.team.frame
@@ -35,7 +39,7 @@ def _body(transition: Transition) -> FloatArray:
     seen = rotated_back(frame[..., 0, None], frame[..., 1, None], x, y)
     limits = named["force_limit"][:, order], named["torque_limit"][:, order]
     team = np.stack([*seen, *limits], axis=-1)
-    body = np.stack([value for value in named.values() if value.ndim == 1], axis=-1)
+    body = np.stack([named[name] for name in OF_BODY], axis=-1)
     every = body[:, None].repeat(num_agents, axis=1)
     flat = team.reshape(num_worlds, num_agents, 4 * num_agents)  # also of no world
     return np.concatenate([every, flat[..., :1], flat[..., 2:]], axis=-1)

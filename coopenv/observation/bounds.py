@@ -13,7 +13,7 @@ from coopenv.arrays import LARGEST, FloatArray
 from coopenv.compiled import compiled
 from coopenv.errors import InvalidInput
 from coopenv.observation.block import Block
-from coopenv.observation.blocks import BLOCKS
+from coopenv.observation.blocks import BLOCKS, OF_BODY
 from coopenv.physics.body import Body
 from coopenv.physics.hands import STIFFNESS, TORQUE_STIFFNESS
 from coopenv.physics.scene import Scene
@@ -61,6 +61,7 @@ class Bounds:
         if ranges is None:
             return cls(bodies, scenes, strengths[None], duration, dt, softest)
         ends = [end for body in bodies for end in Variations(ranges, body, strengths).ends()]
+        scenes = [end for scene in scenes for end in ranges.scenes(scene)]
         teams = np.array([team for _, team in ends])
         return cls([body for body, _ in ends], scenes, teams, duration, dt, softest)
 
@@ -142,8 +143,7 @@ class Bounds:
 
     def _of_body(self, num_agents: int) -> tuple[FloatArray, FloatArray]:
         """Magnitudes of the block about body and team, and 1 where a feature may be negative."""
-        names = ("mass", "inertia", "linear_drag", "angular_drag", "friction", "length")
-        most = [max(getattr(body, name) for body in self._bodies) for name in names]
+        most = [max(getattr(body, name) for body in self._bodies) for name in OF_BODY]
         limits = [self._force, self._torque]
         other = [self._grip, self._grip, *limits] * (num_agents - 1)
         signs = [0.0] * 6 + [1.0, 0.0, 0.0] + [1.0, 1.0, 0.0, 0.0] * (num_agents - 1)

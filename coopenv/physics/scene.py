@@ -1,7 +1,7 @@
 """Scene: the walled room in which the object is carried, and the box obstacles in it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -95,6 +95,22 @@ class Scene:
     def has_weight(self) -> bool:
         """Whether there is gravity in the plane."""
         return self.gravity != (0.0, 0.0)
+
+    def with_gravity(self, strength: float) -> "Scene":
+        """A copy with gravity of ``strength`` [m/s²] in the plane, along the scene's own.
+
+        Raises
+        ------
+        InvalidInput
+            If there is none in it, which has no direction.
+        """
+        if not self.has_weight:
+            raise InvalidInput(
+                "scene.gravity must have a direction for another strength to be drawn along it, "
+                f"got {self.gravity}; pass for example scene=Scene(gravity=(0.0, -9.81))"
+            )
+        part = strength / float(np.hypot(*self.gravity))
+        return replace(self, gravity=(part * self.gravity[0], part * self.gravity[1]))
 
     def check(self, body: Body) -> None:
         """Raise `InvalidInput` where the body cannot be in this room: wheels need a level one."""

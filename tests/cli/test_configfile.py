@@ -155,6 +155,9 @@ def test_only_what_is_named_changes():
     assert beam.task.position_tolerance == 0.2
     assert beam.task.clearance == plain.task.clearance
     assert choice("--randomise", "mass=[4, 9]").randomise.mass == (4.0, 9.0)
+    assert choice("--randomise", "ground_friction=[0, 0.3]").randomise.ground_friction == (0, 0.3)
+    upright = choice("--scene", "gravity=[0, -9.81]", "--randomise", "gravity=[1, 11]")
+    assert upright.randomise.gravity == (1.0, 11.0)
     hands = choice("--action", "motion", "--hands", "stiffness=[80, 90]", "speed=0.5").hands
     assert (hands.stiffness, hands.speed, hands.damping) == ((80.0, 90.0), 0.5, 30.0)
     late = choice("--actuators", "delay=2", "rate-limit=[3, 4]")

@@ -110,6 +110,10 @@ CASES: dict[str, dict[str, Any]] = {
             mass=(3, 9), grips=((-0.05, 0.05), (0.0, 0.0)), length=(1.5, 2), logarithmic=("mass",)
         )
     },
+    "gravity": {
+        "scene": Scene(gravity=(0.5, -9.81)),
+        "randomise": Ranges(gravity=(1, 12.5), ground_friction=(0, 1), logarithmic=("gravity",)),
+    },
     "partner": {"partner": HAND, "partner_agents": (0,)},
     "population": {
         "partner": partners.Population(

@@ -1,0 +1,41 @@
+"""Pictures of environments for docs: moments of one episode of the scripted controller.
+
+python -m benchmarks.pictures                      # draws coopenv/BeamLift-v0
+python -m benchmarks.pictures coopenv/BeamLift-v0  # or these ids, into docs/tasks/
+"""
+
+import sys
+
+import numpy as np
+
+from benchmarks.pages import DOCS
+from coopenv.agents.controllers import find_controller
+from coopenv.agents.record import episode_pictures
+from coopenv.envs.registry import PREFIX, find_config
+from coopenv.render import save_png
+from coopenv.render.canvas import Picture
+
+MOMENTS = (0.05, 0.3, 0.55, 1.0)  # parts of the episode, in reading order
+DEFAULT = ("coopenv/BeamLift-v0",)
+
+
+def strip(name: str) -> Picture:
+    """Moments of the first held-out episode, two beside each other and two below."""
+    config = find_config(name, {})
+    seen = episode_pictures(find_controller(config), config)
+    chosen = [seen[round(part * (len(seen) - 1))] for part in MOMENTS]
+    return np.concatenate([np.concatenate(pair, axis=1) for pair in (chosen[:2], chosen[2:])])
+
+
+def main() -> None:
+    """Draw the ids of the command line."""
+    folder = DOCS / "tasks"
+    folder.mkdir(exist_ok=True)
+    for name in sys.argv[1:] or DEFAULT:
+        path = folder / f"{name.removeprefix(PREFIX).partition('-')[0]}.png"
+        save_png(path, strip(name))
+        print(path)
+
+
+if __name__ == "__main__":
+    main()
