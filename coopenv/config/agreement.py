@@ -55,8 +55,8 @@ def check_strength(
 ) -> None:
     """Raise `InvalidInput` where the team is too weak for the task.
 
-    Of what may be drawn, it is the weakest with the heaviest body in the most gravity. A force is limited along each of
-    an agent's axes, so that between them it may be larger by √2.
+    Of what may be drawn, it is the weakest with the heaviest body in the most gravity. A force is
+    limited along each of an agent's axes, so that between them it may be larger by √2.
     """
     for body, scene in _together(bodies, scenes):
         if ranges is None:
