@@ -7,7 +7,7 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled
 from coopenv.geometry.displacement import mean_twist
-from coopenv.wrench.measures import power_of, share_power
+from coopenv.wrench.shares import power_of, share_power
 
 
 class Power(NamedTuple):

@@ -12,7 +12,7 @@ from coopenv.geometry import frames
 from coopenv.physics.surroundings import acting
 from coopenv.power import Power, power_over
 from coopenv.wrench import Decomposition, LoadShare, Settings
-from coopenv.wrench.measures import ShareOrEven, share_of_load, share_or_even
+from coopenv.wrench.shares import ShareOrEven, share_of_load, share_or_even
 from coopenv.wrench.surroundings import with_surroundings
 
 

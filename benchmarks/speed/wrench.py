@@ -16,7 +16,8 @@ import numpy as np
 
 from coopenv import wrench
 from coopenv.arrays import FloatArray
-from coopenv.wrench.measures import level_kernel, share_of_load
+from coopenv.wrench.measures import level_kernel
+from coopenv.wrench.shares import share_of_load
 
 REPEATS = 15
 BATCHES = (1, 100, 100_000)

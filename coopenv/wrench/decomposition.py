@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, finite_array
 from coopenv.errors import InvalidInput
-from coopenv.wrench import measures
+from coopenv.wrench import measures, shares
 from coopenv.wrench.answer import Answer
 from coopenv.wrench.grasp import (
     checked_grips,
@@ -23,14 +23,12 @@ from coopenv.wrench.measures import (
     RELATIVE_COST,
     TORQUE_LEVEL,
     WASTED_COST,
-    EnergyShare,
-    LoadShare,
-    ShareOrEven,
     level_kernel,
 )
 from coopenv.wrench.methods import METHODS
 from coopenv.wrench.residuals import Residuals, residuals_of
 from coopenv.wrench.settings import Settings
+from coopenv.wrench.shares import EnergyShare, LoadShare, ShareOrEven
 
 Value = TypeVar("Value")
 
@@ -325,17 +323,17 @@ class Decomposition:
     @_once
     def load_share(self) -> LoadShare:
         """Each effector's share of the resultant; see `coopenv.wrench.load_share`."""
-        return measures.share_of_load(self.applied, self._decomposer.grips)
+        return shares.share_of_load(self.applied, self._decomposer.grips)
 
     @_once
     def share_or_even(self) -> ShareOrEven:
         """Load shares with 1/n in place of NaN, and whether they are defined."""
-        return measures.share_or_even(self.applied, self._decomposer.grips)
+        return shares.share_or_even(self.applied, self._decomposer.grips)
 
     def energy_share(self, twist: npt.ArrayLike) -> EnergyShare:
         """Each effector's share of the object's power; see `coopenv.wrench.energy_share`."""
-        twist = measures.checked_twist(twist, self.applied, self.grips)
-        return measures.share_of_energy(self.applied, self.grips, twist)
+        twist = shares.checked_twist(twist, self.applied, self.grips)
+        return shares.share_of_energy(self.applied, self.grips, twist)
 
     def residuals(self) -> Residuals:
         """By how much the manipulation wrench breaks balance (18) and the balls (19)-(21)."""

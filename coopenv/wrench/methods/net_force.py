@@ -4,9 +4,9 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.wrench.answer import Answer, Prepared
-from coopenv.wrench.measures import UNDEFINED
 from coopenv.wrench.methods.forces_only import forces_of, without_torque
 from coopenv.wrench.settings import Settings
+from coopenv.wrench.shares import UNDEFINED
 
 
 def prepare(grips: FloatArray, settings: Settings) -> Prepared:

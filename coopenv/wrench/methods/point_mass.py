@@ -5,8 +5,8 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.wrench.answer import Answer, Prepared
 from coopenv.wrench.grasp import moment
-from coopenv.wrench.measures import load_share_kernel
 from coopenv.wrench.settings import Settings
+from coopenv.wrench.shares import load_share_kernel
 
 
 def prepare(grips: FloatArray, settings: Settings) -> Prepared:

@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.wrench.measures import cost_weights, load_share_kernel
+from coopenv.wrench.measures import cost_weights
 from coopenv.wrench.pair.lens import COS, FIRST, ON_LINE
 from coopenv.wrench.pair.on_axis import decompose_on_axis, frame
+from coopenv.wrench.shares import load_share_kernel
 from coopenv.wrench.synthesis.polynomials import product, real_roots
 from coopenv.wrench.synthesis.wish import Wish, internal_miss, into_frame, out_of_frame
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coopenv.wrench.measures import load_share_kernel
+from coopenv.wrench.shares import load_share_kernel
 from coopenv.wrench.synthesis import search
 from coopenv.wrench.synthesis.wish import Wish
 

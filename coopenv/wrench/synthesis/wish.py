@@ -6,9 +6,9 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.geometry.frames import rotated, rotated_back
-from coopenv.wrench.measures import load_share_kernel
 from coopenv.wrench.pair.lens import COS, SIN
 from coopenv.wrench.settings import Settings
+from coopenv.wrench.shares import load_share_kernel
 
 
 class Wish(NamedTuple):
