@@ -10,8 +10,7 @@ from coopenv.agents.controllers import find_controller
 from coopenv.agents.evaluate import run_episodes
 from coopenv.envs.registry import find_config
 from coopenv.errors import InvalidInput
-from coopenv.observation import BLOCKS
-from tests.helpers import UPRIGHT, actions, assert_same
+from tests.helpers import BLIND_TO_HANDS, UPRIGHT, actions, assert_same
 
 G = 9.81
 HALL = Scene(size=(90.0, 90.0), gravity=(1.5, -G))
@@ -92,7 +91,7 @@ def test_an_episode_is_the_same_in_a_used_world_and_from_a_state(keywords):
 
 def test_the_strongest_gravity_that_may_be_drawn_bounds_the_speed():
     seen = {
-        name: Transport(bounded=True, observe=tuple(BLOCKS), **keywords).observation.high
+        name: Transport(bounded=True, observe=BLIND_TO_HANDS, **keywords).observation.high
         for name, keywords in {
             "drawn": {"scene": UPRIGHT, "randomise": Ranges(gravity=(1.0, 40.0))},
             "fixed": {"scene": UPRIGHT.with_gravity(40.0)},

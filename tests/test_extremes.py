@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import fields
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -29,13 +30,13 @@ def ran(**keywords) -> None:
         assert np.isfinite(info["contact_impulse"]).all()
 
 
-def of_environment(kind, keyword, wrap=lambda made: made, **base):
+def of_environment(kind, keyword, wrap=lambda made: made, beside=MappingProxyType({}), **base):
     """Every field of a dataclass, as a function of its value that runs an environment."""
     for entry in fields(kind):
 
         def run(value, name=entry.name):
             made = kind(**{**base, name: value})
-            ran(**{keyword: wrap(made)})
+            ran(**{keyword: wrap(made)}, **beside)
 
         yield f"{kind.__name__}.{entry.name}", run
 
@@ -68,7 +69,10 @@ def cases():
         if hasattr(kind, "__dataclass_fields__"):
             needed = {"discount": 1.0, "potential": lambda state: -state.distance}
             yield from of_environment(
-                kind, "reward", **needed if name == "PotentialShaping" else {}
+                kind,
+                "reward",
+                beside={"action": "motion"} if getattr(kind, "needs_hands", False) else {},
+                **needed if name == "PotentialShaping" else {},
             )
     for name in partners.__all__:
         kind = getattr(partners, name)

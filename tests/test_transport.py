@@ -89,6 +89,9 @@ def test_shapes_are_world_agent_feature():
         "is_success": (5,),
         "contact_impulse": (5,),
         "contact_shift": (5,),
+        "energy_share": (5, 3),
+        "energy_share_defined": (5,),
+        "internal_power": (5,),
         "surroundings_wrench": (5, 3),
     }
     assert all(term.shape == (5, 3) for term in info["reward_terms"].values())

@@ -17,6 +17,7 @@ from coopenv.observation.blocks import BLOCKS, OF_BODY
 from coopenv.physics.body import Body
 from coopenv.physics.hands import STIFFNESS, TORQUE_STIFFNESS
 from coopenv.physics.scene import Scene
+from coopenv.physics.strengths import parted
 from coopenv.randomisation import Ranges, Variations
 
 BEYOND = 1e-6  # of a feature's range: what is beyond its bound by less is rounding, and not told
@@ -56,7 +57,8 @@ class Bounds:
     ) -> "Bounds":
         """Bounds for ``bodies`` and one team's ``strengths``, or for what ``ranges`` make of them.
 
-        ``strengths`` are ``(agent, 2 or 8)``; everything else as in the class.
+        ``strengths`` are ``(agent, column)``, as `coopenv.physics.strengths` has them; everything
+        else as in the class.
         """
         if ranges is None:
             return cls(bodies, scenes, strengths[None], duration, dt, softest)
@@ -74,7 +76,7 @@ class Bounds:
         dt: float,
         softest: float = 1.0,
     ):
-        limits = strengths[..., :2]
+        limits, hands, _ = parted(strengths)
         self._force, self._torque = limits.max(axis=(0, 1)).tolist()
         force = np.sqrt(2) * limits[..., 0].max(axis=0)  # (agent,): both axes at their limit
         grip = np.hypot(*np.abs([body.grips for body in bodies]).max(axis=0).T)  # (agent,)
@@ -100,8 +102,8 @@ class Bounds:
             "felt_wrench": wrench,
             "own_motion": [at_grip, at_grip, spin],
         }
-        if strengths.shape[-1] > 2:
-            way, turn, energy = _stretched(strengths, softest)
+        if hands.shape[-1]:
+            way, turn, energy = _stretched(limits, hands, softest)
             self._by_block |= {"stretch": [way, way, turn], "stored_energy": [energy]}
 
     def ends(self, block: Block, num_agents: int) -> tuple[FloatArray, FloatArray]:
@@ -150,15 +152,13 @@ class Bounds:
         return np.array([*most, self._grip, *limits, *other]), np.array(signs)
 
 
-def _stretched(strengths: FloatArray, softest: float) -> tuple[float, float, float]:
+def _stretched(limits: FloatArray, hands: FloatArray, softest: float) -> tuple[float, float, float]:
     """How far hands [m, rad] are stretched at most, on their leash, and what they store then [J].
 
     A hand without torque stiffness has no angle to its reference: any bound will do.
     """
-    force, torque = strengths[..., :2].max(axis=0).T  # (agent,) each
-    stiffness, turning = (
-        softest * strengths[..., [2 + STIFFNESS, 2 + TORQUE_STIFFNESS]].min(axis=0).T
-    )
+    force, torque = limits.max(axis=0).T  # (agent,) each
+    stiffness, turning = softest * hands[..., [STIFFNESS, TORQUE_STIFFNESS]].min(axis=0).T
     turns = turning > 0
     way = force / stiffness
     turn = np.where(turns, torque / np.where(turns, turning, 1.0), np.pi)

@@ -154,6 +154,7 @@ BOXES = st.builds(
     Box, center=st.tuples(st.floats(3, 4), st.floats(2, 3)), size=pair(st.floats(0.01, 0.1)),
     angle=NUMBERS,
 )  # fmt: skip
+STRONG = st.floats(60.0, 200.0)  # enough to bear the default beam
 CARRIED = st.one_of(
     st.fixed_dictionaries(
         {
@@ -207,6 +208,7 @@ CARRIED = st.one_of(
         {
             "task": st.builds(LiftTask, tilt_limit=st.floats(0.5, 3.0)),
             "scene": st.just(Scene(size=(8.0, 6.0), gravity=(0.0, -9.81))),
+            "force_limit": STRONG | st.tuples(STRONG, STRONG),
         }
     ),
 )
@@ -257,7 +259,8 @@ VALUES = st.fixed_dictionaries(
 def test_any_configuration_comes_back_equal_and_as_the_same_text(carried, values, holding):
     if holding is not None and not getattr(carried.get("body"), "ground_friction", 0.0):
         values = {**values, **holding}
-    config = TransportConfig(**{**carried, **values})
+    strength = {name: carried[name] for name in ("force_limit",) if name in carried}
+    config = TransportConfig(**{**carried, **values, **strength})
     text = config.to_json()
     again = TransportConfig.from_json(text)
     assert again == config

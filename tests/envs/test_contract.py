@@ -248,6 +248,8 @@ def without_news(core):
         quiet[~told.any(axis=1), blocks["goal"]] = True
     if "twist" in blocks and core.bodies[0].nonholonomic:  # no sideways velocity
         quiet[:, blocks["twist"].start + 1] = True
+    if "own_motion" in blocks and core.bodies[0].nonholonomic:  # nor at the wheels' own axle
+        quiet[~core.team.grips[0].any(axis=-1), blocks["own_motion"].start + 1] = True
     if "body" in blocks:  # a grip at the centre of mass stays there
         first, central = blocks["body"].start, ~core.team.grips[0].any(axis=-1)
         quiet[central, first + 6] = True

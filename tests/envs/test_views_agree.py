@@ -7,6 +7,7 @@ from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
 
 from coopenv import Transport
 from coopenv.envs.registry import find_config
+from coopenv.info import TRIPLES
 from tests.helpers import (
     ALONG,
     CLUTTERED,
@@ -54,7 +55,8 @@ def agent_info(info, i):
     own = {}
     for name, value in info.items():
         value = value[0]
-        own[name] = value if np.ndim(value) == 0 else value[i]
+        of_world = np.ndim(value) == 0 or name in TRIPLES
+        own[name] = value if of_world else value[i]
     return own
 
 

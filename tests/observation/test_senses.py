@@ -10,6 +10,7 @@ from coopenv.errors import InvalidInput
 from coopenv.observation import FELT, SENSING
 from coopenv.transition import Transition
 from tests.helpers import BLIND_TO_HANDS, NEVER, OPEN_ROOM, QUINTET, TRIO, actions
+from tests.test_partner import Steady
 
 WITHOUT_HANDS = ("wrench", "force", "discrete")
 
@@ -199,7 +200,7 @@ def test_a_step_without_hands_cannot_be_priced_or_read_as_one_with_them():
 
 
 def test_who_is_driven_feels_what_it_holds_and_stretches_nothing():
-    core = started(2, action="motion", partner="noisy", observe=("own_wrench", *FELT))
+    core = started(2, action="motion", partner=Steady(), observe=("own_wrench", *FELT))
     for push in actions(4, 5, *core.action_shape):
         core.step(push)
     seen = core.observation(last(core))

@@ -173,9 +173,10 @@ def written(share, **numbers):
     known = {"relative_cost": 0.125, "internal_force_level": 3.14, "internal_torque_level": 2.71}
     values = {name: np.array([9.0, value]) for name, value in {**known, **numbers}.items()}
     force = np.array([[0.5] * count, share])
-    decomposition = SimpleNamespace(load_share=SimpleNamespace(force=force), **values)
     step = SimpleNamespace(
-        decomposition=decomposition, next_state=SimpleNamespace(time=np.array([9.0, 1.25]))
+        decomposition=SimpleNamespace(**values),
+        load_share=SimpleNamespace(force=force),
+        next_state=SimpleNamespace(time=np.array([9.0, 1.25])),
     )
     caption.write(canvas, step, 1)  # pyright: ignore[reportArgumentType]
     return canvas.pen
