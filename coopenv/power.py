@@ -19,21 +19,40 @@ class Power(NamedTuple):
     internal: FloatArray  # (world,): Ė_I = ½(Σ|Ė_i| − |ΣĖ_i|) [W]
 
 
-@compiled
-def power_over(applied, grips, pose, twist, next_pose, next_twist, dt):
-    """The fields of `Power`, in order.
+def power_over(
+    applied: FloatArray,
+    grips: FloatArray,
+    before: tuple[FloatArray, FloatArray],
+    after: tuple[FloatArray, FloatArray],
+    dt: float,
+) -> Power:
+    """Power over a control step.
 
     Parameters
     ----------
     applied, grips
         ``(world, agent, 3)`` and ``(world, agent, 2)``, object frame [N, N·m] and [m].
-    pose, twist, next_pose, next_twist, dt
-        As `coopenv.geometry.displacement.mean_twist`, ``(world, 3)``.
+    before, after
+        Pose and twist ``(world, 3)`` at the step's ends, world frame.
+    dt
+        Of the step [s].
     """
     num_worlds, num_agents = applied.shape[:2]
-    mean, share = np.empty((num_worlds, 3)), np.empty((num_worlds, num_agents))
-    defined, internal = np.empty(num_worlds, dtype=np.bool_), np.empty(num_worlds)
-    for k in range(num_worlds):
+    power = Power(  # NumPy makes arrays in less time than compiled code hands them out
+        np.empty((num_worlds, 3)),
+        np.empty((num_worlds, num_agents)),
+        np.empty(num_worlds, dtype=np.bool_),
+        np.empty(num_worlds),
+    )
+    _write(applied, grips, *before, *after, dt, *power)
+    return power
+
+
+@compiled
+def _write(applied, grips, pose, twist, next_pose, next_twist, dt, mean, share, defined, internal):
+    """Write the fields of `Power`, of arguments as in `power_over`."""
+    num_agents = applied.shape[1]
+    for k in range(len(applied)):
         mean[k, 0], mean[k, 1], mean[k, 2] = mean_twist(
             pose[k], twist[k], next_pose[k], next_twist[k], dt
         )
@@ -44,4 +63,3 @@ def power_over(applied, grips, pose, twist, next_pose, next_twist, dt):
         defined[k] = not np.isnan(share[k, 0])
         if not defined[k]:
             share[k, :] = 1 / num_agents
-    return mean, share, defined, internal

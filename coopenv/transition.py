@@ -173,10 +173,13 @@ class Transition:
         if not self._power:
             before, after = self.state, self.next_state
             found = power_over(
-                self.applied, self.team.grips,
-                before.pose, before.twist, after.pose, after.twist, self.dt,
-            )  # fmt: skip
-            self._power.append(Power(*found))
+                self.applied,
+                self.team.grips,
+                (before.pose, before.twist),
+                (after.pose, after.twist),
+                self.dt,
+            )
+            self._power.append(found)
         return self._power[0]
 
     def per_agent(self, value: npt.NDArray[Any], scale: float = 1.0) -> FloatArray:
