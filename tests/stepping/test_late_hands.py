@@ -22,7 +22,7 @@ DRAWN = Ranges(
 
 
 def test_hands_at_rest_behind_actuators_never_feed_energy_in_over_a_hundred_thousand_steps():
-    """References at rest; stiffness and damping are told to be at their bounds, now the one, now the other."""
+    """References rest; stiffness and damping are told to be at the one bound or the other."""
     core = started(
         WORLDS, action="impedance", substeps=7, actuators=Actuators(delay=1), randomise=DRAWN,
         body=Body(linear_drag=0.0, angular_drag=0.0), scene=Scene(size=(400.0, 400.0)),
