@@ -146,6 +146,16 @@ class Ranges:
             if entry.name not in _NO_LOGARITHM and getattr(self, entry.name) is not None
         ]
         for name in names:
+            if name in _NO_LOGARITHM:
+                raise InvalidInput(
+                    f"randomise.logarithmic must name what may be drawn log-uniformly, got {name!r}"
+                    ", which is drawn uniformly; leave it out"
+                )
+            if not known:
+                raise InvalidInput(
+                    f"randomise.logarithmic must name ranges that are given, got {name!r} without "
+                    "any; give its range, or leave it out"
+                )
             if name not in known:
                 raise UnknownName("randomise.logarithmic", name, known)
             if getattr(self, name)[0] == 0:

@@ -14,7 +14,7 @@ from coopenv.errors import InvalidInput
 
 Rows: TypeAlias = Any  # dicts of rows, down to arrays and lists with one entry a world
 
-VERSION = 3  # of what a snapshot holds; another one is refused
+VERSION = 4  # of what a snapshot holds; another one is refused
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -187,6 +187,7 @@ def test_infos_in_every_view_say_what_was_drawn():
         ({"length": (0.2, 2), "grips": ((-0.05, 0.05), (0, 0))}, r"must keep every grip on the"),
         ({"length": (1, 9)}, r"randomise must leave the task possible: scene\.size"),
         ({"mas": (1, 2)}, r"keyword of randomise must be .*did you mean 'mass'"),
+        ({"logarithmic": ("mass",)}, r"logarithmic must name ranges that are given, got 'mass'"),
         ({"mass": (1, 2), "logarithmic": ("inertia",)}, r"randomise\.logarithmic must be one of"),
         ({"friction": (0, 1), "logarithmic": ("friction",)}, r"friction must begin above zero to"),
         ({"mass": (1, 2), "logarithmic": "mass"}, r"logarithmic must be a sequence of names"),

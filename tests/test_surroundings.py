@@ -69,6 +69,32 @@ def test_who_push_a_wall_waste_everything(action):
     np.testing.assert_array_equal(bare["surroundings_wrench"], info["surroundings_wrench"])
 
 
+@pytest.mark.parametrize(("friction", "told"), [(0.1, 0.767), (0.2, 0.393), (0.3, 0.0)])
+def test_what_rough_ground_bears_of_a_push_at_a_wall_is_not_counted_as_waste(friction, told):
+    """At rest the ground takes F = μ m g of 2 · 10 N, the wall the rest, which alone cancels."""
+    core = started(body=Body(ground_friction=friction))
+    info = after(core, np.array(INTO["wrench"]), 80)
+    most = friction * 7.7 * 9.81
+    borne = min(most, 20.0)
+    assert info["relative_cost"][0] == pytest.approx(1 - borne / (40.0 - borne), abs=1e-4)
+    assert info["relative_cost"][0] == pytest.approx(told, abs=1e-3)
+    np.testing.assert_allclose(info["surroundings_wrench"][0, 1], 20.0 - borne, atol=1e-4)
+    np.testing.assert_allclose(core.world.twist, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("friction", "told"), [(0.1, 0.558), (0.2, -0.153)])
+def test_point_mass_counts_torques_that_nobody_applied_and_may_fall_below_zero(friction, told):
+    core = started(replace(WITH, method="point_mass"), body=Body(ground_friction=friction))
+    info = after(core, np.array(INTO["wrench"]), 80)
+    split = last(core).decomposition
+    added = np.abs(split.manipulation[0, :, 2]).sum()
+    assert not last(core).applied[..., 2].any()
+    assert added > 1.0
+    paid = (np.abs(split.manipulation[0, :, :2]).sum() + added) / 2  # at w = 0.5 [N]
+    assert info["relative_cost"][0] == pytest.approx(1 - paid / split.applied_cost[0], abs=1e-9)
+    assert info["relative_cost"][0] == pytest.approx(told, abs=1e-3)
+
+
 def test_who_push_wheels_sideways_waste_everything():
     body = Body.walker(grips=((-0.5, 0.0), (0.5, 0.0)))
     core = started(body=body, pose=(0.0, 0.0, 0.3))

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import LARGEST, FloatArray, whole
+from coopenv.arrays import LARGEST, FloatArray, stated_array, whole
+from coopenv.errors import InvalidInput
 from coopenv.physics.strengths import ACTUATORS, PerAgent, check_count, per_agent
 
 # Columns of a table of actuators, one row an agent.
@@ -68,10 +69,16 @@ class Actuators:
 
 
 def _delays(value: Any) -> int | tuple[int, ...]:
+    """One whole number, or a tuple of one an agent."""
     name = "actuators.delay"
-    if isinstance(value, Sequence | np.ndarray) and len(value) and not isinstance(value, str):
-        return tuple(whole(each, name, at_least=0, at_most=LONGEST_DELAY) for each in value)
-    return whole(value, name, at_least=0, at_most=LONGEST_DELAY)
+    given = stated_array(value, name)
+    if given.ndim > 1 or given.size == 0:
+        raise InvalidInput(
+            f"{name} must be one whole number or one an agent, got {value!r}; count control steps"
+        )
+    steps = given.ravel().tolist()
+    whole_steps = tuple(whole(each, name, at_least=0, at_most=LONGEST_DELAY) for each in steps)
+    return whole_steps if given.ndim else whole_steps[0]
 
 
 def _rates(value: Any) -> float | tuple[float | None, ...] | None:

@@ -14,7 +14,7 @@ from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import BodyLost
 from coopenv.physics import collect, compliance, motion
 from coopenv.physics.body import Body
-from coopenv.physics.coefficients import NUM_EXPECTED, coefficients
+from coopenv.physics.coefficients import CONTACT, NUM_EXPECTED, coefficients
 from coopenv.physics.friction import held
 from coopenv.physics.scene import WALL_THICKNESS, Scene
 
@@ -108,6 +108,14 @@ class Shard:
             body = self._shapes[k].body
             assert body is not None
             body.position, body.angle = (x, y), angle
+
+    @property
+    def lasting(self) -> FloatArray:
+        """What contacts made of the twists in the last substep, ``(world, 3)``, to be read and set.
+
+        It bears bodies with weight in the next one, and only they have any [m/s, rad/s].
+        """
+        return self._expected[:, CONTACT : CONTACT + 3]
 
     def step(
         self,

@@ -111,8 +111,9 @@ class World:
                 shard.place(worlds[inside] - number * SHARD_SIZE, pose[inside])
 
     def get_state(self, worlds: IntArray) -> dict[str, FloatArray]:
-        """Where the bodies of ``worlds`` are and how they move, one row each."""
-        return {name: getattr(self, name)[worlds] for name in _STATE}
+        """Where the bodies of ``worlds`` are, how they move and what bears them, one row each."""
+        lasting = np.concatenate([shard.lasting for shard in self._shards])
+        return {name: getattr(self, name)[worlds] for name in _STATE} | {"lasting": lasting[worlds]}
 
     def check_rooms(self, worlds: IntArray, scenes: Sequence[Scene]) -> None:
         """Raise `InvalidInput` where a world's walls are not those of the scene it is given."""
@@ -137,9 +138,10 @@ class World:
     ) -> None:
         """Go on in ``worlds`` from what `get_state` returned, with bodies and scenes of then.
 
-        What pymunk remembers of contacts is not in it, so that nothing has been touched. Positions
-        are exact in the worlds they were read from: there, pymunk's own differ from them by the
-        world's origin without rounding.
+        What pymunk remembers of contacts is not in it, so that nothing has been touched; what bears
+        a body that has weight is (`coopenv.physics.motion.supported`), so that it goes on resting.
+        Positions are exact in the worlds they were read from: there, pymunk's own differ from them
+        by the world's origin without rounding.
 
         Only bodies that touched something in the last step, in which pymunk would remember that,
         or that are others now, are made ``anew``; or all, if that step broke off.
@@ -152,6 +154,9 @@ class World:
         self._move(worlds[~touched], state["pose"][~touched])
         for name in _STATE:
             getattr(self, name)[worlds] = state[name]
+        for number, shard in enumerate(self._shards):
+            inside = worlds // SHARD_SIZE == number
+            shard.lasting[worlds[inside] - number * SHARD_SIZE] = state["lasting"][inside]
 
     def _move(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put bodies that remember no contact elsewhere, which is quicker than to make others."""

@@ -96,7 +96,7 @@ class Settings:
         object.__setattr__(self, "torque_weight", weight)
         for name in ("include_induced", "surroundings"):
             value = getattr(self, name)
-            if not isinstance(value, bool | int | np.bool_) or value not in (0, 1):
+            if not isinstance(value, bool | np.bool_):
                 raise InvalidInput(f"{name} must be True or False, got {value!r}; pass a bool")
             object.__setattr__(self, name, bool(value))
         if self.surroundings:

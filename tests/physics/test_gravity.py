@@ -170,6 +170,23 @@ def test_a_body_placed_anew_does_not_remember_what_bore_it():
     np.testing.assert_array_equal(one.twist, fresh.twist)
 
 
+def test_what_bears_a_body_goes_with_its_state_into_any_space():
+    count = SHARD_SIZE + 2
+    bodies, scenes = [Body()] * count, [UPRIGHT] * count
+    many = World(bodies, scenes, dt=DT, substeps=2)
+    height = np.where(np.arange(count) % 2, FLOOR + 0.05, 1.0)  # every other one falls first
+    many.place(np.arange(count), np.column_stack([0 * height, height, 0 * height]))
+    for _ in range(60):
+        many.step(np.zeros((count, 3)))
+    begin, last = np.array([1, 0]), np.array([count - 1, 3])
+    state = many.get_state(last)
+    for _ in range(50):
+        many.set_state(state, begin, [Body()] * 2, [UPRIGHT] * 2, anew=False)
+        many.step(np.zeros((count, 3)))
+        state = many.get_state(begin)
+    np.testing.assert_allclose(many.pose[begin], many.pose[last], atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("values", "message"),
     [

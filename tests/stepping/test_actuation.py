@@ -321,9 +321,11 @@ def test_every_view_has_actuators():
     [
         ({"delay": 1.5}, r"actuators\.delay must be a whole number of at least 0, got 1\.5"),
         ({"delay": -1}, r"actuators\.delay must be a whole number"),
-        ({"delay": True}, r"actuators\.delay must be a number, got True"),
+        ({"delay": True}, r"actuators\.delay must be made of numbers, got True"),
         ({"delay": (1, 0.5)}, r"actuators\.delay must be a whole number"),
-        ({"delay": ()}, r"actuators\.delay must be"),
+        ({"delay": ()}, r"actuators\.delay must be one whole number or one an agent, got \(\)"),
+        ({"delay": [[1, 2]]}, r"actuators\.delay must be one whole number or one an agent, got"),
+        ({"delay": b"ab"}, r"actuators\.delay must be an array of numbers, got b'ab'"),
         ({"delay": 10**5}, r"actuators\.delay must be at most 10000"),
         ({"time_constant": -0.1}, r"actuators\.time_constant must be zero or positive"),
         ({"time_constant": np.nan}, r"actuators\.time_constant must be finite"),
@@ -338,6 +340,11 @@ def test_a_value_that_breaks_its_rule_is_refused(values, message):
         Actuators(**values)
 
 
+def test_delays_may_be_given_in_arrays():
+    assert Actuators(delay=np.array(2)) == Actuators(delay=2)  # pyright: ignore[reportArgumentType]
+    assert Actuators(delay=np.array([1, 3])).delay == (1, 3)  # pyright: ignore[reportArgumentType]
+
+
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
@@ -349,7 +356,7 @@ def test_a_value_that_breaks_its_rule_is_refused(values, message):
         ({"randomise": {"rate_limit": (0, 2)}}, r"randomise\.rate_limit must begin above zero"),
         (
             {"randomise": {"delay": (1, 2), "logarithmic": ("delay",)}},
-            r"randomise\.logarithmic must be one of the known names",
+            r"randomise\.logarithmic must name what may be drawn log-uniformly, got 'delay'",
         ),
         ({"rate_limit": 3.0}, r"pass actuators=Actuators"),
         ({"delay": 3}, r"pass actuators=Actuators\(delay=\.\.\.\) .* or observe="),

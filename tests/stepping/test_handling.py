@@ -165,10 +165,9 @@ def total(core: Transport):
     assert core.transition is not None
     stored, twist = core.transition.stored_energy, core.world.twist
     assert stored is not None
-    body = core.bodies[0]
-    moving = (
-        body.mass * np.square(twist[:, :2]).sum(axis=1) + (body.inertia or 0.0) * twist[:, 2] ** 2
-    )
+    mass = np.array([body.mass for body in core.bodies])
+    inertia = np.array([body.inertia or 0.0 for body in core.bodies])
+    moving = mass * np.square(twist[:, :2]).sum(axis=1) + inertia * twist[:, 2] ** 2
     return moving / 2 + stored.sum(axis=1)
 
 

@@ -165,7 +165,7 @@ def test_who_lets_it_lean_has_failed(lean):
     assert not info["success"][0]
 
 
-def test_from_a_state_in_the_air_the_same_actions_lead_to_the_same_bits_and_at_rest_nearly():
+def test_from_a_state_in_the_air_the_same_actions_lead_to_the_same_bits_and_at_rest_it_stays():
     core = lift(action="force")
     core.reset(seed=0, pose=(-2.5, 0.5, 0.1))
     core.step(held(core))
@@ -176,12 +176,14 @@ def test_from_a_state_in_the_air_the_same_actions_lead_to_the_same_bits_and_at_r
     core.reset(seed=0)  # on the floor
     for _ in range(60):
         core.step(np.zeros((1, 2, 2)))
-    state, pose = core.get_state(), core.world.pose[0]
-    core.set_state(state)
-    for _ in range(60):  # it sinks in once, until the contact is found again
+    pose = core.world.pose[0]
+    for _ in range(50):  # as a search does, which goes on from its own states
+        core.set_state(core.get_state())
         core.step(np.zeros((1, 2, 2)))
-        np.testing.assert_allclose(core.world.pose[0], pose, atol=4e-3)
-    np.testing.assert_allclose(core.world.pose[0], pose, atol=1e-4)
+        np.testing.assert_allclose(core.world.pose[0], pose, atol=1e-6)
+    for _ in range(20):
+        core.step(np.zeros((1, 2, 2)))
+    np.testing.assert_allclose(core.world.pose[0], pose, atol=1e-6)
 
 
 def test_failing_pays_less_than_waiting_and_that_less_than_succeeding():

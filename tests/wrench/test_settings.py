@@ -75,6 +75,12 @@ def test_torque_weight_must_be_a_positive_number(weight):
         wrench.Settings(torque_weight=weight)
 
 
+@pytest.mark.parametrize("name", ["include_induced", "surroundings"])
+def test_a_number_is_no_flag(name):
+    with pytest.raises(InvalidInput, match=f"{name} must be True or False, got 1"):
+        wrench.Settings(**{name: 1})  # pyright: ignore[reportArgumentType]
+
+
 def test_include_induced_must_be_a_bool():
     assert wrench.Settings(include_induced=np.True_).include_induced is True  # pyright: ignore
     with pytest.raises(InvalidInput, match="include_induced must be True or False, got 'no'"):
