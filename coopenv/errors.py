@@ -131,7 +131,11 @@ def _nearness(name: str, known: str) -> float:
 
 
 class SolverError(CoopenvError, RuntimeError):
-    """A solver stopped without an answer it can vouch for."""
+    """A solver stopped without an answer it can vouch for.
+
+    None does so any more: every answer comes with a ``gap`` that owns up. The class is kept for
+    callers who catch it.
+    """
 
 
 class ResetNeeded(CoopenvError, RuntimeError):

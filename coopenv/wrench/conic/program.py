@@ -8,6 +8,8 @@ from coopenv.wrench.conic.cone_program import Affine, ConeProgram
 from coopenv.wrench.conic.parts import NEGLIGIBLE, PARALLEL, Parts, Prices, norm
 from coopenv.wrench.grasp import grasp_matrix, sum_at_centre
 
+TURNED = 0.03  # sine of the angle to its lever up to which a force has axes along and across that
+
 
 def wrench_program(
     whole: Parts, grips: FloatArray, weights: Prices, cost_unit: float, duals: Duals
@@ -35,11 +37,10 @@ def wrench_program(
         free = forces[i] > NEGLIGIBLE * largest_force
 
         # its force and torque
-        force, torque = _fixed(whole.force[i]), _fixed(whole.torque[i])
+        force, torque, axes = _fixed(whole.force[i]), _fixed(whole.torque[i]), None
         if free:
             cost, zeta, on_ray = weights.force, duals.force[i], radial and has_lever
-            axes = None
-            if has_lever and not radial:
+            if has_lever and not radial and induced[i] <= TURNED * forces[i] * lever:
                 axes = _along_and_across(grips[i], induced[i] / (forces[i] * lever))
             force = _vector(program, whole.force[i], forces[i], cost, zeta, on_ray, axes)
         if torques[i] > NEGLIGIBLE * largest_torque:
@@ -50,7 +51,8 @@ def wrench_program(
         # the torque that its force induces
         if free and has_lever and not radial:
             unit = force.mapped(matrix[dimension:, i, :dimension] / induced[i])  # S(r_i)
-            unit.block[:, 0] = 0.0  # along the lever, but for rounding
+            if axes is not None:
+                unit.block[:, 0] = 0.0  # along the lever, but for rounding
             _limit_induced(program, unit, whole.induced[i], induced[i], weights.induced, duals, i)
 
     # balance
@@ -104,7 +106,8 @@ def _along_and_across(grip: FloatArray, sine: float) -> FloatArray:
     """Axes of a force along its lever, and across it in units of its ``sine`` to the lever.
 
     A force nearly along its lever induces a torque that is tiny, and measured in itself: in other
-    axes its rows would have entries of 1 / sine, at which Clarabel loses the balls.
+    axes its rows would have entries of 1 / sine, at which Clarabel loses the balls. Other forces
+    gain nothing by it.
     """
     along = grip / norm(grip)
     if len(grip) == 2:

@@ -47,6 +47,7 @@ VANISHING = 1e-100  # part of the largest component below which the others' squa
 GOOD = 1e-10  # gap in parts of J(h) that is not worth more work
 POOR = 1e-4  # the same from which on Clarabel's nearly plausible answer is kept
 UNSEEN = 1e-16  # of the largest part of h_I: what balance may miss without our seeing it
+OVERFLOWING = 1e100  # beyond this a number of Clarabel's, in our units, tells nothing
 TOGETHER = 256  # samples whose answers are judged and mended at once
 
 
@@ -115,6 +116,9 @@ def _solve_samples(
         sample = Parts(*(part[i] for part in whole))
         program, parts = wrench_program(sample, grips[i], weights, float(cost[i]), own)
         solution = _run(program)
+        if solution is None:
+            manipulation[i] = applied[i]  # and the default duals
+            continue
         program.write_multipliers(solution)
         x = np.array(solution.x)
         manipulation[i] = [np.concatenate([f.value(x), t.value(x)]) for f, t in parts]
@@ -140,12 +144,18 @@ def _slack(internal: FloatArray, whole: Parts, grips: FloatArray, bound: Bound) 
 
 
 def _run(program: ConeProgram) -> Any:
-    """Solve in our units and, where that does not come far, in Clarabel's; what came farther."""
+    """Solve in our units and, where that does not come far, in Clarabel's; what came farther.
+
+    None where both broke down.
+    """
     best, least = None, np.inf
     for equilibrate in (False, True):  # our units are better nearly always
         solution = program.solve(TOLERANCE, equilibrate)
         gap = abs(solution.obj_val - solution.obj_val_dual)
-        error = max(gap, solution.r_prim, solution.r_dual)
+        error = np.max([gap, solution.r_prim, solution.r_dual])
+        numbers = np.concatenate([solution.x, solution.z])
+        if not (np.abs(numbers) <= OVERFLOWING).all():
+            continue
         if best is None or error < least:
             best, least = solution, error
         if error <= ACCEPTED:

@@ -128,4 +128,4 @@ def _weighed(sample, system, gap, saved):
     if slack < left or left > TRIFLE:
         return gap, left, slack
     clear(sample)
-    return gap + left, 0.0, 0.0
+    return max(gap + left, 0.0), 0.0, 0.0  # left is negative where sharing torques cost rounding

@@ -160,15 +160,20 @@ def write_corrector(cone, target, present):
 
 @fused_inlined
 def longest_step(cone, x, dx, det):
-    """Return the largest α with x + α dx in the cone; infinite where the ray stays inside."""
+    """Return the largest α with x + α dx in the cone; infinite where the ray stays inside.
+
+    det(x + α dx) is positive behind the apex, too. A step that leads through the apex, or so near
+    that the roots are lost in rounding, is known by its first component: it ends at x_0 = 0.
+    """
     slope = mirrored(cone, x, dx)
     bend = mirrored(cone, dx, dx)
-    square = slope * slope - bend * det
-    length = root(larger(square, 0.0))
+    length = root(larger(slope * slope - bend * det, 0.0))
     inwards = slope > 0.0
     over = where(inwards, length + slope, det)
     under = where(inwards, -bend, length - slope)
-    return where((under > 0.0) & (square >= 0.0), over / under, np.inf)
+    behind = (cone[dx] < 0.0) & (-cone[dx] * over > cone[x] * under)
+    over, under = where(behind, cone[x], over), where(behind, -cone[dx], under)
+    return where(under > 0.0, over / under, np.inf)
 
 
 @fused_inlined

@@ -28,7 +28,6 @@ from functools import partial
 import numpy as np
 
 from coopenv.arrays import FloatArray, in_rows
-from coopenv.errors import SolverError
 from coopenv.wrench.answer import Answer, Prepare, Solve
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.settings import Settings
@@ -113,10 +112,7 @@ def iterate(
 
 def _better(solve: Solve, applied: FloatArray, gap: float) -> tuple[FloatArray, float] | None:
     """Answer of another solver and its own bound [N]; None where that is not below ``gap``."""
-    try:
-        answer = solve(applied)
-    except SolverError:
-        return None
+    answer = solve(applied)
     if answer.gap is None or not answer.gap < gap:
         return None
     return answer.manipulation, float(answer.gap)

@@ -1,5 +1,7 @@
 """Conic solver: feasible, optimal within its gap, and robust at any scale."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -191,6 +193,30 @@ def test_a_solver_that_gives_up_leaves_a_plausible_answer_and_owns_up_to_its_gap
     assert relative_residuals(poor).max() <= 1e-13
     assert (np.abs(poor.cost - good.cost) <= poor.gap + good.gap).all()
     assert poor.gap[1] > 1e-3
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -1e200])
+@pytest.mark.parametrize("field", ["x", "z"])
+@pytest.mark.parametrize("in_all_units", [False, True])
+def test_a_solver_that_breaks_down_is_not_believed(number, field, in_all_units, monkeypatch):
+    rng = np.random.default_rng(12)
+    applied, grips = rng.normal(size=(3, 3, 6)), rng.normal(size=(3, 3))
+    good, solved = solve(applied, grips), ConeProgram.solve
+
+    def breaking(self, tolerance, equilibrate):
+        found = solved(self, tolerance, equilibrate)
+        if equilibrate and not in_all_units:
+            return found
+        names = ("x", "z", "obj_val", "obj_val_dual", "r_prim", "r_dual")
+        told = {name: getattr(found, name) for name in names}
+        told[field] = np.full(len(told[field]), number)
+        return SimpleNamespace(**told)
+
+    monkeypatch.setattr(ConeProgram, "solve", breaking)
+    d = solve(applied, grips)
+    assert relative_residuals(d).max() <= 1e-13
+    assert (np.abs(d.cost - good.cost) <= d.gap + good.gap).all()
+    assert (d.gap <= (1.0 if in_all_units else 1e-6) * d.applied_cost).all()
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -1,0 +1,62 @@
+"""Steps of the interior-point method stay in their cones, whatever rounding does."""
+
+import numpy as np
+from numba import njit
+
+from coopenv.compiled.lanes.memory import four_at
+from coopenv.wrench.structured.cones import CONE, DET_Z, DZ, Z, longest_step
+
+TRIALS = 2000
+
+
+@njit(error_model="numpy")
+def _longest_steps(address):
+    """Write the longest steps of four cones where the det stood."""
+    cone = four_at(address)
+    cone[DET_Z] = longest_step(cone, Z, DZ, cone[DET_Z])
+
+
+def _longest(z, dz):
+    """Longest steps ``(4,)`` of the four points z along dz ``(4, 4)``, one a row."""
+    cone = np.zeros((CONE, 4))
+    cone[Z : Z + 4], cone[DZ : DZ + 4] = z.T, dz.T
+    length = np.linalg.norm(z[:, 1:], axis=-1)
+    cone[DET_Z] = (z[:, 0] - length) * (z[:, 0] + length)
+    _longest_steps(cone.ctypes.data)
+    return cone[DET_Z]
+
+
+def _inside(rng, apart):
+    """Four points in the cone, ``apart`` of their size from its boundary."""
+    tail = rng.normal(size=(4, 3))
+    head = np.linalg.norm(tail, axis=-1, keepdims=True) * (1.0 + apart)
+    return np.concatenate([head, tail], axis=-1) * 10.0 ** rng.uniform(-8.0, 8.0, (4, 1))
+
+
+def test_a_step_ends_on_the_boundary():
+    rng = np.random.default_rng(0)
+    for _ in range(TRIALS):
+        z, dz = _inside(rng, 1.0), rng.normal(size=(4, 4))
+        dz *= z[:, :1]
+        dz[:, 0] = -np.abs(dz[:, 0]) - 0.1 * z[:, 0]
+        end = z + _longest(z, dz)[:, None] * dz
+        outside = np.linalg.norm(end[:, 1:], axis=-1) - end[:, 0]
+        assert (np.abs(outside) <= 1e-13 * z[:, 0]).all()
+
+
+def test_a_step_along_a_ray_of_the_cone_never_ends():
+    rng = np.random.default_rng(1)
+    z = _inside(rng, 0.1)
+    np.testing.assert_array_equal(_longest(z, z), np.inf)
+
+
+def test_no_step_leads_through_the_apex_however_near_the_boundary_it_begins():
+    # behind it -z is in the cone, and det z as positive as before
+    rng = np.random.default_rng(2)
+    for _ in range(TRIALS):
+        apart, off = 10.0 ** rng.uniform(-16.0, 0.0, 2)
+        z = _inside(rng, apart)
+        factor = rng.uniform(0.5, 3.0, (4, 1))
+        dz = -factor * (z + off * z[:, :1] * rng.normal(size=(4, 4)))
+        step, towards = _longest(z, dz), dz[:, 0] < 0.0
+        assert (z[towards, 0] + step[towards] * dz[towards, 0] >= -1e-15 * z[towards, 0]).all()
