@@ -17,6 +17,7 @@ from coopenv.observation.blocks import BLOCKS, OF_BODY
 from coopenv.physics.body import Body
 from coopenv.physics.hands import STIFFNESS, TORQUE_STIFFNESS
 from coopenv.physics.scene import Scene
+from coopenv.physics.strengths import HANDS, columns
 from coopenv.randomisation import Ranges, Variations
 
 BEYOND = 1e-6  # of a feature's range: what is beyond its bound by less is rounding, and not told
@@ -32,8 +33,9 @@ class Bounds:
     scenes
         Where.
     strengths
-        ``(team, agent, 2)``: force [N] and torque [N·m] that an action of 1 stands for, of every
-        team there may be; or ``(team, agent, 8)``, with their `coopenv.Hands.table`.
+        ``(team, agent, column)``: force [N] and torque [N·m] that an action of 1 stands for, of
+        every team there may be, and what hands and actuators they have
+        (`coopenv.physics.strengths`).
     duration
         Of an episode [s].
     dt
@@ -56,7 +58,8 @@ class Bounds:
     ) -> "Bounds":
         """Bounds for ``bodies`` and one team's ``strengths``, or for what ``ranges`` make of them.
 
-        ``strengths`` are ``(agent, 2 or 8)``; everything else as in the class.
+        ``strengths`` are ``(agent, column)``, by `coopenv.physics.strengths`; everything else as in
+        the class.
         """
         if ranges is None:
             return cls(bodies, scenes, strengths[None], duration, dt, softest)
@@ -100,7 +103,7 @@ class Bounds:
             "felt_wrench": wrench,
             "own_motion": [at_grip, at_grip, spin],
         }
-        if strengths.shape[-1] > 2:
+        if HANDS[0] in columns(strengths.shape[-1]):
             way, turn, energy = _stretched(strengths, softest)
             self._by_block |= {"stretch": [way, way, turn], "stored_energy": [energy]}
 
