@@ -147,7 +147,18 @@ class CoreInUse(CoopenvError, RuntimeError):
 
 
 class BodyLost(CoopenvError, RuntimeError):
-    """A body went through a wall: it moves too far in a substep."""
+    """A body went through a wall: it moves too far in a substep.
+
+    Attributes
+    ----------
+    world
+        Number of its world in the batch, the last one found if there are several; ``None`` where
+        who raised it did not say.
+    """
+
+    def __init__(self, message: str, world: int | None = None):
+        super().__init__(message)
+        self.world = world
 
 
 class MissingPackage(CoopenvError, ImportError):

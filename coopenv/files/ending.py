@@ -20,6 +20,8 @@ class _Due(NamedTuple):
 
 
 _DUE: dict[Hashable, _Due] = {}
+_LAST = -1000  # priority among what multiprocessing does as a process ends: after its own -100
+_TOLD: set[str] = set()  # modules that call `_undo_all` at the end of this process
 
 
 def promise(key: Hashable, undo: Callable[[], object]) -> None:
@@ -34,6 +36,7 @@ def promise(key: Hashable, undo: Callable[[], object]) -> None:
     undo
         May raise `OSError`, which nobody hears. It is called again if a signal interrupts it.
     """
+    _tell_multiprocessing()
     _DUE[key] = _Due(threading.get_ident(), undo)
 
 
@@ -73,5 +76,22 @@ def _undo_all() -> None:
     _undo([*_DUE])
 
 
+def _tell_multiprocessing() -> None:
+    """Have its forked children undo too: they end without atexit, by finalizers of their own.
+
+    Each child tells it anew, as it forgets its parent's. Where nobody imported it there are none.
+    """
+    name = "multiprocessing.util"
+    finalize = getattr(sys.modules.get(name), "Finalize", None)
+    if finalize is not None and name not in _TOLD:
+        finalize(None, _undo_all, exitpriority=_LAST)
+        _TOLD.add(name)
+
+
+def _forget() -> None:
+    _DUE.clear()
+    _TOLD.clear()
+
+
 if sys.platform != "win32":
-    os.register_at_fork(after_in_child=_DUE.clear)
+    os.register_at_fork(after_in_child=_forget)

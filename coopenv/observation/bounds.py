@@ -33,8 +33,9 @@ class Bounds:
     scenes
         Where.
     strengths
-        ``(team, agent, 2)``: force [N] and torque [N·m] that an action of 1 stands for, of every
-        team there may be; or ``(team, agent, 8)``, with their `coopenv.Hands.table`.
+        ``(team, agent, column)``: force [N] and torque [N·m] that an action of 1 stands for, of
+        every team there may be, and what hands and actuators they have
+        (`coopenv.physics.strengths`).
     duration
         Of an episode [s].
     dt

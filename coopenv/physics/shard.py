@@ -42,11 +42,17 @@ _COMMAND = (
 
 
 class Shard:
-    """Worlds far apart on a grid in one pymunk space."""
+    """Worlds far apart on a grid in one pymunk space; ``first`` is the batch's number of theirs."""
 
     def __init__(
-        self, bodies: Sequence[Body], scenes: Sequence[Scene], substep: float, reach: float
+        self,
+        bodies: Sequence[Body],
+        scenes: Sequence[Scene],
+        substep: float,
+        reach: float,
+        first: int = 0,
     ):
+        self._first = first
         self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
         self._table = _table(bodies, scenes, substep)
         self.space = pymunk.Space()
@@ -171,10 +177,11 @@ class Shard:
     def _check_held(self, lost: int, pose: FloatArray) -> None:
         """Raise `BodyLost` for the world ``lost``, if it is one."""
         if lost >= 0:
-            x, y = pose[lost, :2]
+            world, (x, y) = self._first + lost, pose[lost, :2]
             raise BodyLost(
-                f"the body must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond the walls; "
-                "use more substeps, a heavier body, more drag or weaker agents"
+                f"the body of world {world} must stay in its room, got ({x:.1f}, {y:.1f}) m, "
+                "beyond the walls; use more substeps, a heavier body, more drag or weaker agents",
+                world,
             )
 
     def _build(

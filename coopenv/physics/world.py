@@ -73,6 +73,7 @@ class World:
                 self.scenes[start : start + SHARD_SIZE],
                 self.substep,
                 reach,
+                start,
             )
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
@@ -173,7 +174,8 @@ class World:
         Raises
         ------
         BodyLost
-            If a body is too fast for its substeps and got through a wall.
+            If a body is too fast for its substeps and got through a wall; of which world is its
+            ``world``.
         """
         self._advance(Shard.step, (wrench,))
 

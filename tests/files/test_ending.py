@@ -130,6 +130,43 @@ with locked("."), written("a.csv") as part:
     assert [path.read_text() for path in tmp_path.iterdir()] == ["whole"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="nothing is forked there")
+def test_a_forked_child_of_multiprocessing_leaves_no_file_either(tmp_path):
+    code = """
+import multiprocessing, os
+from pathlib import Path
+from coopenv.files import written
+def interrupted(*_, **__):
+    raise KeyboardInterrupt
+def write():
+    unlink = Path.unlink
+    try:
+        with written("a.csv"):
+            Path.unlink = interrupted
+            raise KeyError
+    finally:
+        Path.unlink = unlink
+        print(len(os.listdir()), flush=True)
+def run():
+    with written("kept.csv") as part:
+        part.write_text("whole")
+        child = multiprocessing.get_context("fork").Process(target=write)
+        child.start()
+        child.join()
+        print(child.exitcode, len(os.listdir()))
+run()
+grandparent = multiprocessing.get_context("fork").Process(target=run)
+grandparent.start()
+grandparent.join()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    # Of child and parent a file each, then the parent's; the second time kept.csv is there too.
+    assert done.stdout.split() == ["2", "1", "1", "3", "1", "2"], done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.csv"]
+
+
 def test_only_what_was_promised_in_the_block_is_undone_newest_first():
     undone = []
     promise("before", lambda: undone.append("before"))

@@ -10,6 +10,8 @@ from gymnasium.spaces import Box as BoxSpace
 from pettingzoo.test import parallel_api_test
 
 from coopenv import (
+    BLOCKS,
+    Actuators,
     Block,
     Body,
     Ranges,
@@ -49,6 +51,16 @@ def test_every_feature_has_ends_and_nothing_else_changes(view):
         np.testing.assert_array_equal(seen, loose.step(action)[0])
         assert not info["observation_clipped"].any()
     assert "observation_clipped" not in loose.reset(seed=0)[1]
+
+
+def test_actuators_are_not_taken_for_hands():
+    plain = TransportConfig(bounded=True).bounds()
+    behind = TransportConfig(bounded=True, actuators=Actuators(time_constant=0.1)).bounds()
+    assert plain is not None
+    assert behind is not None
+    for block in BLOCKS.values():
+        if not block.needs_hands:
+            np.testing.assert_array_equal(behind.ends(block, 2), plain.ends(block, 2))
 
 
 def test_bounds_are_those_of_room_and_limits():

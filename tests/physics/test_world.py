@@ -1,5 +1,7 @@
 """The physics of many worlds: free motion, walls, and worlds that leave each other alone."""
 
+import pickle
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -327,6 +329,16 @@ def test_a_body_that_gets_through_a_wall_is_reported():
 
     with pytest.raises(BodyLost, match="must stay in its room"):
         push()
+
+
+@pytest.mark.parametrize("lost", [3, SHARD_SIZE + 5])
+def test_a_lost_body_is_told_with_the_number_of_its_world(lost):
+    many = world(FREE, count=SHARD_SIZE + 8)
+    many.twist[lost, 0] = 1e6
+    with pytest.raises(BodyLost, match=f"the body of world {lost} must stay") as caught:
+        many.step(np.zeros((SHARD_SIZE + 8, 3)))
+    assert caught.value.world == lost
+    assert pickle.loads(pickle.dumps(caught.value)).world == lost
 
 
 def test_parting_an_overlap_gives_no_impulse_and_is_reported_as_a_shift():
