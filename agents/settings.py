@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from typing_extensions import Self
 
@@ -14,6 +14,7 @@ from coopenv.config import TransportConfig
 from coopenv.envs import registry
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.files import reading, written
+from coopenv.rewards import COSTS
 
 from . import partners
 from .overrides import GROUPS, changed, entries_of
@@ -32,6 +33,17 @@ NOTED = ("provenance",)  # entries of config.json that others write beside the s
 UNSAVED = ("fresh",)  # said for one call, and never taken from a file: it removes a run
 
 
+try:
+    import tyro
+except ImportError:  # then the command line says what is missing
+    _COST: Any = None
+else:
+    _COST = tyro.conf.arg(
+        help=f"What is told as a cost beside the reward: {', '.join(COSTS)} "
+        "(coopenv.rewards.COSTS), or a preset."
+    )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvironmentChoice:
     """An environment by name, and what is most often changed of it; ``None`` keeps its own."""
@@ -40,8 +52,7 @@ class EnvironmentChoice:
     """Gymnasium id."""
     reward: str | None = None
     """Preset of coopenv.rewards: task, harmony, balanced, sparse, tracking."""
-    cost: str | None = None
-    """What is told as a cost beside the reward: contact, squeeze, waste (coopenv.rewards.COSTS)."""
+    cost: Annotated[str | None, _COST] = None
     observe: tuple[str, ...] | None = None
     """Observation blocks, for example: goal twist own_wrench."""
     sensing: Literal["own", "shared"] | None = None

@@ -4,6 +4,7 @@ python -m benchmarks.partners                     # prints the tables; minutes o
 python -m benchmarks.partners --write             # and writes docs/partners.md
 python -m benchmarks.partners --write BeamLift    # measures these columns, keeps the others
 python -m benchmarks.partners --hands             # the table of hands alone, with --write too
+python -m benchmarks.partners --hands compliant   # measures these rows of it, keeps the others
 """
 
 import sys
@@ -126,15 +127,18 @@ def measure_all(places: Sequence[str]) -> dict[tuple[str, str], Cell]:
     return {cell: measure(*cell) for cell in track(asked, "kind, place")}
 
 
-def hands_table(episodes: int = HANDS_EPISODES) -> str:
-    """Success and γ beside every kind, all by hands: the scripted controller as the learner."""
-    rows = []
-    for name, kind in track(PARTNERS.items(), "kind, by hands"):
-        configs = [Place(env=env).config(kind, "motion") for env in HELD]
+def hands_table(kinds: Sequence[str], episodes: int = HANDS_EPISODES) -> str:
+    """Success and γ beside these kinds, all by hands: the scripted controller as the learner.
+
+    What was not measured stays as it is on the page.
+    """
+    rows = {row[0]: row for row in cells(PAGE, "by hands")[1:]}
+    for name in track(kinds, "kind, by hands"):
+        configs = [Place(env=env).config(PARTNERS[name], "motion") for env in HELD]
         seen = [run_episodes(find_controller(each), each, episodes=episodes) for each in configs]
-        cells = [f"{100 * one.success.mean():.1f}, {one.relative_cost.mean():.3f}" for one in seen]
-        rows.append([name, *cells])
-    return markdown(("partner", *HELD), rows)
+        shown = [f"{100 * one.success.mean():.1f}, {one.relative_cost.mean():.3f}" for one in seen]
+        rows[name] = [name, *shown]
+    return markdown(("partner", *HELD), [rows[name] for name in PARTNERS if name in rows])
 
 
 def tables(measured: Measured) -> dict[str, str]:
@@ -187,13 +191,14 @@ def _success(at: tuple[str, str], cell: Cell) -> str:
 def main() -> None:
     """Print the tables; with ``--write`` also put them on the page."""
     asked = [word for word in sys.argv[1:] if word not in ("--write", "--hands")]
-    for place in asked:
-        if place not in PLACES:
-            raise UnknownName("column", place, PLACES)
     by_hand = "--hands" in sys.argv[1:]
+    what, known = ("row", PARTNERS) if by_hand else ("column", PLACES)
+    for name in asked:
+        if name not in known:
+            raise UnknownName(what, name, known)
     made = {} if by_hand else tables(measure_all(asked or [*PLACES]))
     if by_hand or not asked:
-        made["by hands"] = hands_table()
+        made["by hands"] = hands_table(asked if by_hand and asked else [*PARTNERS])
     show(PAGE, made)
 
 

@@ -1,12 +1,19 @@
 """Followers that are told nothing: hands go with their grips and give way to what they feel."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.config import TransportConfig
+from coopenv.config.keywords import read_agents
+from coopenv.config.worlds import each
 from coopenv.errors import InvalidInput
+from coopenv.physics.hands import DAMPING, STIFFNESS, TORQUE_DAMPING, TORQUE_STIFFNESS
+from coopenv.physics.strengths import parted
+from coopenv.randomisation import Ranges, Variations
 from coopenv.transition import Transition
 
 from .velocities import HandPolicy, carried, gain, in_world, levers
@@ -29,6 +36,13 @@ class Follower(HandPolicy):
     as viscous drag of K dt / 2 does. ``anticipation=0`` is such a hand; with half a control step it
     neither drags nor pushes, with more it helps along.
 
+    What is felt is of the last step, so a hand that gives way to too much of it overshoots farther
+    in every step. On an object that holds still it does unless
+
+        c (B + K dt / 2) < 1,    c_t (β + κ dt / 2) < 1
+
+    with the stiffness and damping of the hand, so more is refused.
+
     Parameters
     ----------
     config
@@ -40,6 +54,12 @@ class Follower(HandPolicy):
         How far ahead [s]. The default is the outcome of ``python -m benchmarks.followers``.
     firmness
         See `HandPolicy`.
+
+    Raises
+    ------
+    InvalidInput
+        If a gain breaks its rule, or is too large for the hands of a learner at their stiffest;
+        beside what `HandPolicy` raises.
     """
 
     def __init__(
@@ -55,6 +75,14 @@ class Follower(HandPolicy):
         self.compliance = gain(compliance, "compliance", "m/s per N")
         self.turn_compliance = gain(turn_compliance, "turn_compliance", "rad/s per N·m")
         self.anticipation = gain(anticipation, "anticipation", "s")
+        most = most_compliance(config, self.firmness)
+        for name, bound in zip(("compliance", "turn_compliance"), most, strict=True):
+            if (given := getattr(self, name)) >= bound:
+                raise InvalidInput(
+                    f"{name} must be below {bound:.3g} for the stiffest of these hands at "
+                    f"dt={config.dt:g} s, got {given:g}; lower it, or take less stiffness or "
+                    "damping"
+                )
 
     def velocities(self, transition: Transition) -> FloatArray:
         """See `HandPolicy.velocities`."""
@@ -92,7 +120,32 @@ def borne(transition: Transition) -> FloatArray:
     return part
 
 
-def released(config: TransportConfig, agents: tuple[int, ...]) -> TransportConfig:
+def most_compliance(config: TransportConfig, firmness: float = 0.0) -> tuple[float, float]:
+    """The compliances at which what a `Follower` gives stops settling; see there.
+
+    Returns
+    -------
+    c [m/s per N] and c_t [rad/s per N·m], of the learner's hand that bears least, as stiff and as
+    damped as episodes may draw it; infinite for hands without stiffness and damping.
+    """
+    assert config.hands is not None
+    strengths = config.strengths()
+    if config.randomise is not None:
+        drawn = Ranges(stiffness=config.randomise.stiffness, damping=config.randomise.damping)
+        _, (_, strengths) = Variations(drawn, each(config.body)[0], strengths).ends()
+    hands = parted(strengths)[1][list(config.learners), :4]
+    if config.action == "impedance":
+        factors = config.hands.stiffness_factors, config.hands.damping_factors
+        part = (1 + firmness) / 2
+        stiffer, damped = (low ** (1 - part) * high**part for low, high in factors)
+        hands *= [stiffer, stiffer, damped, damped]
+    reply = hands[:, [DAMPING, TORQUE_DAMPING]]
+    reply = reply + hands[:, [STIFFNESS, TORQUE_STIFFNESS]] * config.dt / 2
+    force, torque = reply.max(axis=0, initial=0.0).tolist()
+    return (1 / force if force else inf), (1 / torque if torque else inf)
+
+
+def released(config: TransportConfig, agents: Sequence[int]) -> TransportConfig:
     """The same environment, in which ``agents`` let go: their hands hold with no force.
 
     Whatever they do, nothing comes of it but what a stiffness of 1e-6 N/m gives.
@@ -100,16 +153,26 @@ def released(config: TransportConfig, agents: tuple[int, ...]) -> TransportConfi
     Raises
     ------
     InvalidInput
-        If no hands carry out the actions, or an agent is none of the team.
+        If no hands carry out the actions, if an agent is none of the team, or if every episode
+        draws stiffness or damping of hands anew, of all agents.
     """
     hands, count = config.hands, config.num_agents
-    if hands is None or not set(agents) <= set(range(count)):
+    if hands is None:
         raise InvalidInput(
-            f"agents must be among the {count} whose hands let go, got {agents} with "
-            f"action={config.action!r}; choose numbers below {count} and action='motion'"
+            f"action must be 'motion' or 'impedance' for hands that let go, got "
+            f"{config.action!r}; choose one of them"
         )
+    slack_agents = read_agents(agents, "agents", count)
+    if slack_agents is None:
+        raise InvalidInput("agents must be those whose hands let go, got None; pass (1,)")
+    for name in ("stiffness", "damping"):
+        if (ends := getattr(config.randomise, name, None)) is not None:
+            raise InvalidInput(
+                f"randomise.{name} must be None for hands that let go, got {ends}, from which "
+                "every episode would draw theirs; drop it"
+            )
     columns = hands.table(count)[:, :4]
-    columns[list(agents)] = [_NOTHING, 0.0, 0.0, 0.0]
+    columns[list(slack_agents)] = [_NOTHING, 0.0, 0.0, 0.0]
     names = ("stiffness", "torque_stiffness", "damping", "torque_damping")
     slack: dict[str, tuple[float, ...]] = {
         name: tuple(column.tolist()) for name, column in zip(names, columns.T, strict=True)

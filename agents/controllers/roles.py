@@ -1,6 +1,7 @@
 """Roles: a team in which each agent acts by a policy of its own."""
 
 from collections.abc import Mapping
+from numbers import Integral
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from ..policy import Policy, Resettable, Seedable, check_environment
+from .velocities import check_config
 
 
 class Roles:
@@ -30,15 +32,12 @@ class Roles:
     Raises
     ------
     InvalidInput
-        If a learner has no policy, or one is of somebody else.
+        If a learner has no policy, one is of somebody else, or one is no policy.
     """
 
     def __init__(self, config: TransportConfig, policies: Mapping[int, Policy]):
-        if sorted(policies) != sorted(config.learners):
-            raise InvalidInput(
-                f"policies must be one for each of the agents {config.learners}, got some of "
-                f"{sorted(policies)}; leave out those that a partner drives"
-            )
+        check_config(config)
+        _check(policies, config.learners)
         self.policies = {agent: policies[agent] for agent in config.learners}
         self._different = list({id(policy): policy for policy in policies.values()}.values())
 
@@ -64,3 +63,24 @@ class Roles:
         """Raise `InvalidInput` if one of them says that it cannot act in ``core``."""
         for policy in self._different:
             check_environment(policy, core)
+
+
+def _check(policies: object, learners: tuple[int, ...]) -> None:
+    """Raise `InvalidInput` unless there is a policy for each of the ``learners``, and no other."""
+    if not isinstance(policies, Mapping):
+        raise InvalidInput(
+            f"policies must be a mapping from agents' numbers, got {policies!r:.80}; pass for "
+            "example {0: leader, 1: follower}"
+        )
+    numbers = all(isinstance(agent, Integral) and not isinstance(agent, bool) for agent in policies)
+    if not numbers or set(policies) != set(learners):
+        raise InvalidInput(
+            f"policies must be one for each of the agents {learners}, got some of "
+            f"{[*policies]}; leave out those that a partner drives"
+        )
+    for agent, policy in policies.items():
+        if not callable(policy):
+            raise InvalidInput(
+                f"policies must be called as policy(obs, transition), got {policy!r:.80} for "
+                f"agent {agent}; pass a Policy"
+            )

@@ -4,6 +4,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import rotated, wrapped
 from coopenv.transition import Transition
 
@@ -68,6 +69,11 @@ class Along(HandPolicy):
         Who knows the object's way; see `coopenv.agents.controllers.find_guide`.
     firmness
         See `HandPolicy`.
+
+    Raises
+    ------
+    InvalidInput
+        If ``guide`` knows no way; beside what `HandPolicy` raises.
     """
 
     def __init__(
@@ -78,6 +84,11 @@ class Along(HandPolicy):
         firmness: float = 0.0,
     ):
         super().__init__(config, firmness=firmness)
+        if not callable(getattr(guide, "wanted_motion", None)):
+            raise InvalidInput(
+                f"guide must know the object's way by wanted_motion, got {guide!r:.80}; pass "
+                "find_guide(config)"
+            )
         self.guide = guide
 
     def velocities(self, transition: Transition) -> FloatArray:

@@ -28,10 +28,12 @@ class HandPolicy:
     Raises
     ------
     InvalidInput
-        If no hands carry out the actions, or ``firmness`` breaks its rule.
+        If no hands carry out the actions, or ``firmness`` breaks its rule or is given with
+        ``action="motion"``.
     """
 
     def __init__(self, config: TransportConfig, *, firmness: float = 0.0):
+        check_config(config)
         if config.hands is None:
             raise InvalidInput(
                 f"action must be 'motion' or 'impedance' for {type(self).__name__}, which moves "
@@ -40,6 +42,11 @@ class HandPolicy:
         if not -1 <= number(firmness, "firmness") <= 1:
             raise InvalidInput(
                 f"firmness must be from -1 to 1, got {firmness!r}; -1 is as soft as hands can be"
+            )
+        if firmness and config.action != "impedance":
+            raise InvalidInput(
+                f"firmness must be 0 for action={config.action!r}, got {firmness!r}; with "
+                "action='impedance' it says how stiff and damped hands are"
             )
         self.config, self.firmness = config, float(firmness)
         self._learners, self._width = list(config.learners), ACTIONS[config.action]
@@ -96,6 +103,15 @@ def in_world(transition: Transition, wrench: FloatArray) -> FloatArray:
     angle = transition.next_state.pose[:, 2, None]
     x, y = rotated(np.cos(angle), np.sin(angle), wrench[..., 0], wrench[..., 1])
     return np.stack([x, y, wrench[..., 2]], axis=-1)
+
+
+def check_config(config: object) -> None:
+    """Raise `InvalidInput` unless ``config`` describes an environment."""
+    if not isinstance(config, TransportConfig):
+        raise InvalidInput(
+            f"config must be a TransportConfig, got {config!r:.80}; pass the environment's, such "
+            "as core.config"
+        )
 
 
 def gain(value: float, name: str, unit: str) -> float:

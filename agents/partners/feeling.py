@@ -10,16 +10,34 @@ from ..controllers.hand_motions import paced_twist
 
 
 @inlined
-def give_way(rates, weight, k, i, stretch, felt, springs, dt):
+def give_way(rates, gained, weight, k, i, grips, stretch, springs, dt):
     """What hand i gives while it goes with its grip and away from what it feels, object frame.
 
-    u = v − c (f − w): force and torque ``felt``, less its part ``weight`` of the object's weight,
-    with c the ``rates`` [m/s/N], [rad/s/(N·m)].
+    u = v − c (f − w), with v what its grip will move with in the middle of the step, which is what
+    the object has ``gained`` by then (vx, vy, ω, object frame) more than now, and f what it will
+    give at the step's end, going so:
+
+        f = K (s + (u − v) dt) + B (u − v),  hence  u = v − c (K s − w) / (1 + c (B + K dt))
+
+    with w its part ``weight`` of the object's weight and c the ``rates`` [m/s/N], [rad/s/(N·m)];
+    turning likewise. Were f that of the step before, c (B + K dt / 2) > 1 would make it overshoot;
+    were v that of now, it would hold back whatever speeds up.
     """
-    x = -rates[0] * (felt[k, i, 0] - weight[0])
-    y = -rates[0] * (felt[k, i, 1] - weight[1])
-    turn = -rates[1] * (felt[k, i, 2] - weight[2])
+    stiff, turn_stiff = springs[k, i, 0], springs[k, i, 1]
+    rate = rates[0] / (1 + rates[0] * (springs[k, i, 2] + stiff * dt))
+    turn_rate = rates[1] / (1 + rates[1] * (springs[k, i, 3] + turn_stiff * dt))
+    x = gained[0] - gained[2] * grips[k, i, 1] - rate * (stiff * stretch[k, i, 0] - weight[0])
+    y = gained[1] + gained[2] * grips[k, i, 0] - rate * (stiff * stretch[k, i, 1] - weight[1])
+    turn = gained[2] - turn_rate * (turn_stiff * stretch[k, i, 2] - weight[2])
     return _moved(k, i, stretch, springs, dt, x, y, turn)
+
+
+@inlined
+def half_gained(pose, twist, before):
+    """What twist (vx, vy, ω), object frame, an object gains in half a step, if as in the last."""
+    x, y = (twist[0] - before[0]) / 2, (twist[1] - before[1]) / 2
+    x, y = rotated_back(cos(pose[2]), sin(pose[2]), x, y)
+    return x, y, (twist[2] - before[2]) / 2
 
 
 @inlined

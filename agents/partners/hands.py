@@ -23,7 +23,7 @@ from ..controllers.guidance import (
     triple,
 )
 from ..controllers.hand_motions import paced_twist
-from .feeling import give_way, lead_on, missing_motion
+from .feeling import give_way, half_gained, lead_on, missing_motion
 from .traits import (
     AWAY_TURN,
     AWAY_X,
@@ -66,9 +66,9 @@ class Mind(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is seen of all worlds, world frame but for the last three.
+    """What is seen of all worlds, world frame but for the last two.
 
-    Without hands there is neither stretch nor what is felt; nobody then asks for them.
+    Without hands there is no stretch; nobody then asks for it.
     """
 
     pose: FloatArray  # (world, 3) [m, rad]
@@ -78,7 +78,6 @@ class Seen(NamedTuple):
     ahead: FloatArray  # (world, 3) where who walks wants the object next, on the way to its plan
     applied: FloatArray  # (world, agent, 3) in the last step, object frame [N, N·m]
     stretch: FloatArray  # (world, agent, 3) from grip to reference, object frame [m, rad]
-    felt: FloatArray  # (world, agent, 3) at the last step's end, object frame [N, N·m]
 
 
 class Carried(NamedTuple):
@@ -123,7 +122,7 @@ def act(mind, seen, carried, team, dt):
     """
     # Taken apart once: a field that is read inside the loop costs a count of references each time
     traits, keys, now, steps, wanted_twist, given = mind
-    pose, twist, twist_before, goal, ahead, applied, stretch, felt = seen
+    pose, twist, twist_before, goal, ahead, applied, stretch = seen
     mass, inertia, linear_drag, angular_drag, outline, reach, room, gravity = carried
     grips, frame, limits, allocation, parts_on_way, driven, springs, fastest = team
     out, parts = np.empty((len(traits), len(driven), 3)), np.empty((grips.shape[1], 3))
@@ -154,7 +153,9 @@ def act(mind, seen, carried, team, dt):
             wrench = missing_motion(
                 _gains(traits, k, n), here, moving, triple(ahead, k), k, grips, fastest
             )  # no wrench yet
-        elif role != YIELDS:
+        elif role == YIELDS:
+            wrench = half_gained(here, moving, before)  # nor here
+        else:
             wrench = _felt((here, moving, before), load, applied, grips, driven, k, dt)
         if role == FOLLOWS:
             tastes = (traits[k, n, HEAVINESS], traits[k, n, EAGERNESS])
@@ -172,9 +173,8 @@ def act(mind, seen, carried, team, dt):
         elif role in (YIELDS, GUIDES):
             _part(_weight(here[2], load), allocation, frame, limits, parts, k)
             _feel(
-                traits[k, n], wrench, parts, (grips, driven, springs), (stretch, felt),
-                given, k, slot, dt,
-            )  # fmt: skip
+                traits[k, n], wrench, parts, (grips, driven, springs), stretch, given, k, slot, dt
+            )
         else:
             shares = parts_on_way if walks else allocation
             largest = _part(wrench, shares, frame, limits, parts, k)
@@ -286,19 +286,21 @@ def _weight(angle, load):
 
 
 @inlined
-def _feel(row, missing, weights, team, sensed, given, k, slot, dt):
-    """What each hand gives that gives way, or that shows the way by the motion that is missing."""
+def _feel(row, motion, weights, team, stretch, given, k, slot, dt):
+    """What each hand gives that gives way, or that shows the way.
+
+    ``motion`` is the one that the object will have gained, or that it is missing.
+    """
     grips, driven, springs = team
-    stretch, felt = sensed
     for number in range(len(driven)):
         i = driven[number]
         own = triple(weights, i)
         if row[ROLE] == YIELDS:
             rates = row[YIELDING], row[TURN_YIELDING]
-            wrench = give_way(rates, own, k, i, stretch, felt, springs, dt)
+            wrench = give_way(rates, motion, own, k, i, grips, stretch, springs, dt)
         else:
             tastes = row[LEAD], row[TURN_LEAD], row[EASING]
-            wrench = lead_on(tastes, missing, own, k, i, grips, stretch, springs, dt)
+            wrench = lead_on(tastes, motion, own, k, i, grips, stretch, springs, dt)
         for j in range(3):
             given[k, slot, number, j] = wrench[j]
 

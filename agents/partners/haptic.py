@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import LARGEST, FloatArray
 from coopenv.chance import Chance
 
 from ..controllers.guidance import APPROACH, NUM_GAINS, SPEED, SPIN, gains_row
@@ -20,9 +20,15 @@ class Compliant(Kind):
 
         u = v − c (f − w),    Ω = ω − c_t (t − w_t)
 
-    with v, ω the motion of its grip, f, t what it gives at a step's end, and w its part of the
-    object's weight. So the stretch of its hand fades, with c K a second, and who leads it finds it
-    light; it does no work of its own. Whatever pushes it back, it takes for the other's wish.
+    with v, ω what its grip will move with in the middle of the step, if it goes on speeding up as
+    in the last, f, t what it gives at the step's end, going so, and w its part of the weight. So
+    the stretch of its hand, beyond what bears w, fades in a step to
+
+        (1 + c B) / (1 + c B + c K dt)
+
+    of itself, never past zero, and who leads it finds it light. Until it has faded, its reference
+    goes with the grip: it pulls the object on, or holds it back, with what is left of its wrench.
+    Whatever pushes it back, it takes for the other's wish.
 
     It needs hands (``action="motion"`` or ``"impedance"``).
     """
@@ -32,7 +38,7 @@ class Compliant(Kind):
 
     def __post_init__(self) -> None:
         for name in ("yielding", "turn_yielding"):
-            span = checked_span(getattr(self, name), f"partner.{name}")
+            span = checked_span(getattr(self, name), f"partner.{name}", high=LARGEST)
             object.__setattr__(self, name, span)
 
     @property

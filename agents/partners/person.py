@@ -86,7 +86,7 @@ class Person:
         )
         self._kind = np.zeros(num_worlds, dtype=np.int64)
         self._motions: HandMotions | None = None
-        self.gives, self._nothing = "wrenches", (np.zeros((num_worlds, 0, 3)),) * 4
+        self.gives, self._nothing = "wrenches", (np.zeros((num_worlds, 0, 3)),) * 3
         if config.hands is not None:
             self._motions, self.gives = HandMotions(config, agents), "actions"
         elif what.needs_hands:
@@ -123,15 +123,15 @@ class Person:
         """Wrenches or actions of hands for the next step; see `coopenv.partner.Player`."""
         state, team = transition.next_state, transition.team
         load, room, motions = transition.conditions.load, transition.conditions.room, self._motions
-        stretch, felt, springs, fastest = self._nothing
+        stretch, springs, fastest = self._nothing
         if motions is not None:
-            stretch, felt = transition.stretch, transition.felt_wrench
+            stretch = transition.stretch
             springs, fastest = motions.springs(team.hands), team.hands[..., SPEED:].copy()
         wrench = act(
             tuple(self._mind),
             (
                 state.pose, state.twist, transition.state.twist, state.goal,
-                self._ahead(transition), transition.applied, stretch, felt,
+                self._ahead(transition), transition.applied, stretch,
             ),
             (
                 load.mass, load.inertia, load.linear_drag, load.angular_drag, load.outline,

@@ -7,7 +7,8 @@ python -m benchmarks.haptics --only "PPO" "PPO, frames" --seeds 0 1 2 --budget 5
 Agent 0 alone is told the goal (``informed=(0,)``); each sees what it can sense by itself
 (``sensing="own"``). A cell is a follower with an action and a beam, of a learner one seed; each is
 kept as a small file when it is finished, so that the same command goes on after a kill. ``--write``
-puts table and figure on docs/haptics.md, of all cells that are finished at that budget.
+puts table and figure on docs/haptics.md, of all cells that are finished at that budget; it replaces
+the files beside the page of those cells alone that it was asked for.
 """
 
 from collections.abc import Iterator
@@ -82,11 +83,24 @@ class Haptics:
 
     def shown(self) -> dict[Cell, Found]:
         """All finished cells that belong on one page: of this budget and number of episodes."""
-        return {
-            cell: one
-            for cell, one in kept((page.CELLS, self.out)).items()
-            if cell.rows in (None, self.budget) and one.episodes == self.episodes
-        }
+        asked = set(self.cells())
+        mine = {cell: one for cell, one in kept((self.out,)).items() if cell in asked}
+        every = (*kept((page.CELLS,)).items(), *mine.items())
+        return {cell: one for cell, one in every if self._belongs(one)}
+
+    def check_page(self) -> None:
+        """Raise `InvalidInput` if the page would lose rows: cells of other numbers of episodes."""
+        asked = set(self.cells())
+        for cell, one in kept((page.CELLS,)).items():
+            shown = cell.rows in (None, self.budget) and cell not in asked
+            if shown and one.episodes != self.episodes:
+                raise InvalidInput(
+                    f"episodes must be {one.episodes} as of {cell.name}, which stands on the page "
+                    f"too, got {self.episodes}; measure all of the page, or do not write"
+                )
+
+    def _belongs(self, one: Found) -> bool:
+        return one.cell.rows in (None, self.budget) and one.episodes == self.episodes
 
 
 def module_of(cell: Cell):
@@ -117,6 +131,8 @@ def run(study: Haptics, console: Console) -> None:
 def main() -> None:
     """Run what the command line asks for; print the table."""
     study, console = tyro.cli(Haptics, description=__doc__), Console()
+    if study.write:
+        study.check_page()
     run(study, console)
     found = study.shown()
     shown = page.lines(found, FOLLOWERS)
@@ -127,7 +143,7 @@ def main() -> None:
         others["elsewhere"] = elsewhere.table(study.episodes)
         console.print(others["elsewhere"], markup=False, soft_wrap=True, highlight=False)
     if study.write:
-        page.write(shown, found, others)
+        page.write(shown, [found[cell] for cell in study.cells() if cell in found], others)
 
 
 if __name__ == "__main__":

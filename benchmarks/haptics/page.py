@@ -76,13 +76,14 @@ def table(shown: Sequence[Line]) -> str:
     return markdown(("beam", "action", "follower", "seeds", *COLUMNS), rows)
 
 
-def write(shown: Sequence[Line], found: Mapping[Cell, Found], others: Mapping[str, str]) -> None:
-    """Put the table, ``others`` and the figure on the page, and its cells alone beside it."""
+def write(shown: Sequence[Line], measured: Sequence[Found], others: Mapping[str, str]) -> None:
+    """Put the table, ``others`` and the figure on the page, and what was ``measured`` beside it.
+
+    Other cells beside the page stay as they are.
+    """
     fill(PAGE, {"haptics": table(shown), **others})
     draw(shown, FIGURE)
-    for path in CELLS.glob("*.json"):
-        path.unlink()
-    for one in found.values():
+    for one in measured:
         one.save(CELLS)
 
 

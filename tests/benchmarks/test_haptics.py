@@ -1,5 +1,6 @@
 """The benchmark of feeling hands: what its learners see, what it keeps, what its page shows."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -122,10 +123,57 @@ def test_every_learner_has_the_same_rows_and_a_reward_with_its_term():
 def test_the_page_shows_the_cells_beside_it():
     # else: python -m benchmarks.haptics --only scripted --elsewhere --write
     cells = kept((page.CELLS,))
-    assert on_page("haptics") == page.table(page.lines(cells, FOLLOWERS))
+    budgets = {cell.rows for cell in cells if cell.rows} or {Haptics.budget}
+    tables = [page.table(page.lines(Haptics(budget=b).shown(), FOLLOWERS)) for b in budgets]
+    assert on_page("haptics") in tables
     wanted = {c for c in Haptics(only=("scripted",)).cells()}
     assert wanted <= set(cells)
     assert page.FIGURE.exists()
+
+
+@pytest.fixture
+def own_page(tmp_path, monkeypatch):
+    """A page with cells of two budgets beside it."""
+    for name, place in (("PAGE", "page.md"), ("FIGURE", "page.png"), ("CELLS", "cells")):
+        monkeypatch.setattr(page, name, tmp_path / place)
+    page.PAGE.write_text("<!-- haptics -->\n<!-- haptics -->\n", encoding="utf-8")
+    for rows in (10**5, 10**6):
+        found(Cell("PPO", "motion", "20 kg", 0, rows), success=0.9).save(page.CELLS)
+    for name in ("lets go", "floats"):
+        found(Cell(name, "motion", "7.7 kg")).save(page.CELLS)
+    return page.CELLS
+
+
+def written_by(monkeypatch, *arguments):
+    monkeypatch.setattr(sys, "argv", ["haptics", *arguments, "--write"])
+    command.main()
+    return page.PAGE.read_text(encoding="utf-8")
+
+
+def test_writing_the_page_replaces_the_cells_alone_that_were_asked_for(
+    own_page, tmp_path, monkeypatch
+):
+    before = {path.name: path.read_bytes() for path in own_page.iterdir()}
+    out = tmp_path / "out"
+    found(Cell("lets go", "motion", "7.7 kg"), success=0.25).save(out)
+    found(Cell("floats", "motion", "7.7 kg"), success=0.25).save(out)  # of an earlier call
+    asked = ("--only", "lets go", "--actions", "motion", "--beams", "7.7 kg", "--out", str(out))
+    text = written_by(monkeypatch, *asked, "--budget", "1000000")
+    after = {path.name: path.read_bytes() for path in own_page.iterdir()}
+    assert before.keys() == after.keys()
+    assert {name for name in after if after[name] != before[name]} == {"motion_7.7-kg_lets-go.json"}
+    assert "| 7.7 kg | motion | lets go | – | 25.0 [" in text
+    assert "| 7.7 kg | motion | floats | – | 50.0 [" in text
+    assert text.count("| PPO |") == 1  # of one budget
+
+
+def test_a_page_is_not_written_with_cells_of_other_numbers_of_episodes(
+    own_page, tmp_path, monkeypatch
+):
+    asked = ("--only", "lets go", "--out", str(tmp_path / "out"), "--episodes", "4")
+    with pytest.raises(InvalidInput, match=r"episodes must be 500 as of .*floats.*, got 4"):
+        written_by(monkeypatch, *asked)
+    assert len(list(own_page.iterdir())) == 4
 
 
 def test_the_page_shows_what_is_measured():

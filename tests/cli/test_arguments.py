@@ -9,6 +9,7 @@ pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
 from coopenv import cli
+from coopenv.rewards import COSTS
 
 
 def stopped(*arguments: str) -> int | str | None:
@@ -22,6 +23,13 @@ def test_nothing_asked_for_is_answered_by_help(capsys):
     printed = capsys.readouterr().out
     for word in (*cli.COMMANDS, "--version", "Exit codes", "130"):
         assert word in printed
+
+
+def test_the_help_of_a_cost_names_every_one(capsys):
+    assert stopped("train", "--help") == 0
+    told = capsys.readouterr().out.split("--cost ")[1].split("--observe ")[0]
+    for name in COSTS:
+        assert name in told
 
 
 @pytest.mark.parametrize("option", ["--version", "-V"])

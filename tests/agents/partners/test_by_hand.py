@@ -1,12 +1,13 @@
 """Partners that move hands: what they give, whom they need, and what comes of it."""
 
+import itertools
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from coopenv import Transport, TransportConfig
+from coopenv import Body, Hands, Transport, TransportConfig
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.partners import (
@@ -168,3 +169,40 @@ def test_who_shows_the_way_brings_a_hand_home_that_only_gives_way(env):
     seen = run_episodes(gives_way, config, episodes=40, num_worlds=40)
     assert seen.success.mean() >= 0.6
     assert seen.relative_cost.mean() < 0.15
+
+
+@pytest.mark.parametrize(
+    ("hand", "substeps"),
+    [(Hands(), 10), (Hands(stiffness=400.0, damping=100.0), 20), (Hands(damping=(30.0, 0.0)), 10)],
+)
+@pytest.mark.parametrize("yielding", [0.02, 0.2, 1e12])
+def test_who_gives_way_comes_to_rest_however_readily(hand, substeps, yielding):
+    core = hands(
+        partner=Compliant(yielding=yielding, turn_yielding=yielding), hands=hand, substeps=substeps
+    )
+    given = []
+    for step in range(70):
+        core.step(np.tile((0.3, 0.0, 0.0), (4, 1, 1)) * (step < 5))
+        assert core.transition is not None
+        given.append(np.abs(core.transition.applied[:, 1]).max())
+    assert max(given[:10]) > 0.1
+    assert max(given[-10:]) < 0.03 * max(given)
+
+
+def test_the_stretch_of_who_gives_way_fades_as_its_description_says():
+    free = hands(body=Body(mass=1e6), dt=0.05)  # nothing moves it
+    for _ in range(4):
+        free.step(np.tile((0.1, -0.05, 0.2), (4, 2, 1)))
+    player = Compliant(yielding=0.05, turn_yielding=0.3).player(free.config, 4, (0, 1))
+    assert free.transition is not None
+    player.reset(np.arange(4), [np.random.default_rng(k) for k in range(4)], free.transition)
+    held = []
+    for _ in range(4):
+        assert free.transition is not None
+        assert free.transition.stretch is not None
+        held.append(free.transition.stretch)
+        free.step(player.act(free.transition))
+    for rate, axes, stiff, damped in ((0.05, slice(2), 150, 30), (0.3, slice(2, 3), 20, 5)):
+        left = (1 + rate * damped) / (1 + rate * damped + rate * stiff * 0.05)
+        for before, after in itertools.pairwise(held):
+            np.testing.assert_allclose(after[..., axes], left * before[..., axes], rtol=1e-3)

@@ -5,6 +5,7 @@ import pytest
 
 from coopenv.agents.controllers import Gains
 from coopenv.agents.partners import (
+    Compliant,
     Follower,
     Impedance,
     Lagging,
@@ -30,6 +31,8 @@ SPANS = [
     *((kind, "turn", (0, np.pi, (0, 3)), (-1e-9, 3.1416, (0, 3.2))) for kind in LEADING),
     *((kind, "strength", (1e-9, 9.0), (0, -1.0)) for kind in PLANNERS),
     (Follower, "heaviness", (0.05, 1, (0.05, 1)), (0.0499, 1.0001, (0.04, 0.5), (0.5, 1.1))),
+    (Compliant, "yielding", (0, 0.02, 1e12, (0, 0.1)), (-1e-9, 1.1e12, (0, 1e300))),
+    (Compliant, "turn_yielding", (0, 1e12, (0, 0.1)), (-1e-9, 1.1e12, (0, 1e300))),
     (Follower, "eagerness", (1e-9, 50), (0, -1)),
     (LoadSharing, "share", (0, 0.9, (0.1, 0.9)), (-1e-9, 0.9001, (0, 0.95))),
     (Lagging, "delay", (0, 3, MOST_DELAY, (0, 4)), (-1, MOST_DELAY + 1, (0, 10**5), 0.5, (0.5, 2))),

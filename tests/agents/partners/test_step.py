@@ -37,10 +37,10 @@ def stepped(
     load = [np.array([each]) for each in (MASS, INERTIA, DRAG, SPIN_DRAG)]
     frame = np.array([[(1.0, 0.0), (0.0, 1.0)]])  # agent 1 looks along the object's y
     nothing = np.zeros((1, 0, 3))
-    stretch, felt, springs, fastest = hands_as or (nothing, nothing, nothing, nothing)
+    stretch, springs, fastest = hands_as or (nothing, nothing, nothing)
     out = hands.act(
         tuple(mind),
-        (*seen, np.array([APPLIED]), stretch, felt),
+        (*seen, np.array([APPLIED]), stretch),
         (*load, outline, np.array([0.51]), np.array([(20.0, 20.0)]), np.array([gravity])),
         (np.array([GRIPS]), frame, np.array([limits]), PARTS[None], 2 * PARTS[None],
          np.array(driven), springs, fastest),
@@ -159,14 +159,14 @@ def test_two_unsteady_hands_are_unsteady_each_by_itself():
 STIFF, TURN_STIFF, DAMPED, TURN_DAMPED = 100.0, 10.0, 20.0, 4.0
 REPLY = np.array([DAMPED + STIFF * DT / 2] * 2 + [TURN_DAMPED + TURN_STIFF * DT / 2])
 SPRING = np.array([STIFF, STIFF, TURN_STIFF])
-STRETCH, FELT = np.array([0.03, -0.01, 0.2]), np.array([5.0, -2.0, 1.0])
+STRETCH = np.array([0.03, -0.01, 0.2])
 STILL = {"pose": (0, 0, 0), "twist": (0, 0, 0), "before": (0, 0, 0)}
 
 
-def held(stretch=STRETCH, felt=FELT, speed=10.0):
+def held(stretch=STRETCH, speed=10.0):
     """What the hands of both agents sense, their springs and how fast they are; alike."""
     springs = [[(STIFF, TURN_STIFF, DAMPED, TURN_DAMPED)] * 2]
-    rows = ([[stretch] * 2], [[felt] * 2], springs, [[(speed, speed)] * 2])
+    rows = ([[stretch] * 2], springs, [[(speed, speed)] * 2])
     return tuple(np.array(row, dtype=float) for row in rows)
 
 
@@ -176,9 +176,20 @@ def test_who_gives_way_goes_with_its_grip_and_away_from_what_it_feels_beyond_its
         traits.YIELDS, **STILL, gravity=gravity, hands_as=held(), yielding=0.02, turn_yielding=0.1
     )
     weight = PARTS[1] @ (-MASS * gravity[0], -MASS * gravity[1], 0)
-    away = -np.array([0.02, 0.02, 0.1]) * (FELT - weight)
-    np.testing.assert_allclose(given, [SPRING * STRETCH + REPLY * away], rtol=1e-12)
+    away = (given[0] - SPRING * STRETCH) / REPLY
+    in_the_end = SPRING * (STRETCH + away * DT) + np.array([DAMPED, DAMPED, TURN_DAMPED]) * away
+    np.testing.assert_allclose(away, -np.array([0.02, 0.02, 0.1]) * (in_the_end - weight))
     assert mind.steps.tolist() == [1]
+
+
+def test_who_gives_way_goes_as_its_grip_will_go_in_the_middle_of_the_step():
+    """A half of what the grip at (0.5, 0.25) gained in the last step, as the object lies."""
+    gained = {"pose": (0, 0, pi / 2), "twist": (1, 2, 0.4), "before": (0.6, 1.5, 0.2)}
+    given, _ = stepped(
+        traits.YIELDS, **gained, hands_as=held(np.zeros(3)), yielding=0.02, turn_yielding=0.1
+    )
+    beside = np.array([0.25 - 0.1 * 0.25, -0.2 + 0.1 * 0.5, 0.1])
+    np.testing.assert_allclose(given, [REPLY * beside], rtol=1e-12)
 
 
 def guided(stretch, *, ahead, twist=(0, 0, 0), speed=10.0, **columns):
