@@ -3,6 +3,7 @@
 import warnings
 from dataclasses import fields
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from coopenv.observation import ranges
 from coopenv.render.renderer import Renderer
 from coopenv.tasks import TASKS
 
+NOTHING = MappingProxyType({})
 VALUES = [np.nan, -np.inf, 1e300, 1e-300, -1e300, 10**400, 10**30, 10**9, "1.0", 1 + 0j]
 VALUES += [np.timedelta64(1, "s"), {}, (1e300, 1e300), (np.nan, 1.0), object(), np.zeros(3)]
 
@@ -30,7 +32,9 @@ def ran(**keywords) -> None:
         assert np.isfinite(info["contact_impulse"]).all()
 
 
-def of_environment(kind, keyword, wrap=lambda made: made, beside=MappingProxyType({}), **base):
+def of_environment(
+    kind, keyword, wrap=lambda made: made, beside: Any = MappingProxyType({}), **base
+):
     """Every field of a dataclass, as a function of its value that runs an environment."""
     for entry in fields(kind):
 
