@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.soak.drawn.features import any_environment
-from benchmarks.soak.drawn.pushes import any_pushes
+from benchmarks.soak.drawn.pushes import any_actions
 from benchmarks.soak.watch import Watch
 from coopenv import Transport, TransportConfig
-from coopenv.arrays import BoolArray, FloatArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import BodyLost
 from coopenv.info import Info
 
@@ -46,7 +46,7 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
     most = BY_CONIC if config.decomposition.solver == "conic" else WORLD_STEPS
     steps = int(np.clip(most // num_worlds, *STEPS))
     core = Transport(num_worlds=num_worlds, config=config)
-    plan = any_pushes(rng, steps, (num_worlds, len(core.learners), core.action_size))
+    plan = any_actions(rng, core, steps)
     early = rng.random((steps, num_worlds)) < rng.choice([0.0, 0.002, 0.02])
     in_step = bool(rng.random() < 0.5)
     watch = Watch(core, env)
@@ -67,20 +67,23 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
     k = int(rng.integers(num_worlds))
     free = int(np.argmax([*(row[k] for row in touched), True]))  # steps before it touches anything
     alone = Transport(config=of_world(config, num_worlds, k))
-    own = plan[:free, k : k + 1], np.array(agains)[:free, k : k + 1]
+    began = np.array(agains, dtype=np.bool_).reshape(-1, num_worlds)  # the first may lose a body
+    own = plan[:free, k : k + 1], began[:free, k : k + 1]
     rides = drive(alone, seed + k, *own, in_step=in_step)
     check_alone(alone, rides, [(pose[k], twist[k]) for pose, twist in poses], f"{env}: world {k}")
     tried = {"steps": len(agains), "replayed": len(seen)}
-    return {name: count * num_worlds for name, count in tried.items()} | {"episodes": begun}
+    counts = {name: count * num_worlds for name, count in tried.items()}
+    return counts | {"episodes": begun, "cut_short": int(watch.lost is not None)}
 
 
 def held(rides: Iterator[Ride], watch: Watch) -> Iterator[Ride]:
-    """All rides, up to one that loses a body too fast for its walls, which is told."""
+    """All rides, up to one that loses a body too fast for its walls, which ``watch`` is told."""
     try:
         yield from rides
-    except BodyLost:
-        if not watch.may_lose():
+    except BodyLost as error:
+        if error.world is None or not watch.may_lose(error.world):
             raise
+        watch.lost = error.world
 
 
 def check_replay(
@@ -104,7 +107,12 @@ def check_alone(
 
 
 def drive(
-    core: Transport, seed: int, plan: FloatArray, early: BoolArray, *, in_step: bool
+    core: Transport,
+    seed: int,
+    plan: FloatArray | IntArray,
+    early: BoolArray,
+    *,
+    in_step: bool,
 ) -> Iterator[Ride]:
     """Step through ``plan``; worlds begin anew where ``early`` says so or their episode ended.
 

@@ -16,6 +16,7 @@ import gymnasium
 import numpy as np
 
 from benchmarks.soak.drawn.features import any_environment
+from benchmarks.soak.drawn.pushes import any_actions
 from coopenv import Transport, TransportConfig, wrench
 from coopenv.errors import CoopenvError
 
@@ -34,8 +35,7 @@ def ridden(core: Transport, seed: int) -> int:
     core.reset(seed=seed)
     rng, check = np.random.default_rng(seed), 0
     restart = np.zeros(core.num_worlds, dtype=np.bool_)
-    for _ in range(STEPS):
-        action = rng.uniform(-1.0, 1.0, (core.num_worlds, len(core.learners), core.action_size))
+    for action in any_actions(rng, core, STEPS):
         obs, reward, terminated, truncated, _ = core.step(action, restart=restart)
         check = crc32(reward.tobytes(), crc32(obs.tobytes(), check))
         restart = terminated | truncated

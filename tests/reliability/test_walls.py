@@ -91,7 +91,7 @@ def test_a_lost_body_ends_a_trial_where_its_energy_explains_it_and_fails_it_else
 
     def lose():
         yield from ()
-        raise BodyLost("lost")
+        raise BodyLost("lost", 3)
 
     if explained:
         assert list(held(lose(), watch)) == []

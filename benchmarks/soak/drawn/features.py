@@ -9,14 +9,17 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
-from benchmarks.soak.drawn.rewards import any_reward
-from benchmarks.soak.drawn.senses import any_senses
+from benchmarks.soak.drawn.ranges import any_ranges
+from benchmarks.soak.drawn.rewards import any_cost, any_reward
+from benchmarks.soak.drawn.senses import any_bounds, any_senses
 from benchmarks.soak.drawn.tasks import any_task
-from coopenv import Body, Box, Hands, Ranges, Scene, Transport, TransportConfig
+from benchmarks.soak.drawn.teams import any_actuators, any_team
+from coopenv import Body, Box, Scene, Transport, TransportConfig
 from coopenv.agents import partners
 from coopenv.envs.registry import PREFIX, find_config
 from coopenv.errors import CoopenvError
 from coopenv.wrench import METHODS, Settings
+from coopenv.wrench.settings import WITH_SURROUNDINGS
 
 MOST_WORLDS = 600  # three pymunk spaces, on several threads
 REFUSING = ("max_internal", "net_force", "one_dimensional")  # some wrenches, by their definition
@@ -140,63 +143,6 @@ def any_scene(rng: np.random.Generator, env: str, config: TransportConfig) -> di
     return {"scene": scene}
 
 
-def any_ranges(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
-    """What episodes draw anew."""
-    length = (0.9, 1.1) if rng.random() < 0.5 else (1.4, 2.2)
-    every: dict[str, Any] = {
-        "mass": (3.0, 30.0),
-        "inertia": (0.5, 6.0),
-        "linear_drag": (0.0, 20.0),
-        "angular_drag": (0.0, 20.0),
-        "friction": (0.0, 1.0),
-        "length": length,
-        "grips": ((-0.04, 0.04), (-0.02, 0.02) if rng.random() < 0.5 else (0.0, 0.0)),
-        "force_limit": (1.0, 20.0),
-        "torque_limit": (0.5, 10.0),
-    }
-    if config.hands is not None:
-        every |= {"stiffness": (50.0, 300.0), "damping": (5.0, 60.0)}
-    kept = {name: value for name, value in every.items() if rng.random() < 0.5}
-    logarithmic = ("mass",) if "mass" in kept and rng.random() < 0.5 else ()
-    return {"randomise": Ranges(**kept, logarithmic=logarithmic)}
-
-
-def any_team(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
-    """Limits, kind of action, hands if they act, and who is told the goal."""
-    agents = config.num_agents
-    action = str(rng.choice(["wrench", "force", "motion", "impedance"]))
-    told = tuple(int(k) for k in np.flatnonzero(rng.random(agents) < 0.5))
-    return {
-        "action": action,
-        "hands": any_hands(rng, agents) if action in ("motion", "impedance") else None,
-        "force_limit": tuple(rng.uniform(1.0, 20.0, agents)),
-        "torque_limit": tuple(rng.uniform(0.5, 10.0, agents)),
-        "informed": None if rng.random() < 0.3 else told,
-    }
-
-
-def any_hands(rng: np.random.Generator, agents: int) -> Hands:
-    """Hands of all agents alike, or of each its own."""
-
-    def one_or_each(low: float, high: float) -> float | tuple[float, ...]:
-        """In geometric proportion."""
-        drawn = np.exp(rng.uniform(np.log(low), np.log(high), agents)).tolist()
-        return tuple(drawn) if rng.random() < 0.5 else drawn[0]
-
-    joint = bool(rng.random() < 0.2)  # a ball joint
-    softest, slowest = rng.uniform(0.1, 1.0, 2)
-    return Hands(
-        stiffness=one_or_each(5.0, 1_000.0),
-        torque_stiffness=0.0 if joint else one_or_each(0.5, 100.0),
-        damping=0.0 if rng.random() < 0.2 else one_or_each(1.0, 100.0),
-        torque_damping=0.0 if joint else one_or_each(0.1, 20.0),
-        speed=one_or_each(0.1, 3.0),
-        turn_rate=one_or_each(0.1, 3.0),
-        stiffness_factors=(softest, rng.uniform(1.0, 4.0)),
-        damping_factors=(slowest, rng.uniform(1.0, 4.0)),
-    )
-
-
 def any_time(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
     """Steps short enough that no body may pass a wall of 2 m in one."""
     substep = rng.uniform(0.002, 0.05)  # [s]
@@ -211,16 +157,18 @@ def any_time(rng: np.random.Generator, env: str, config: TransportConfig) -> dic
 def any_decomposition(
     rng: np.random.Generator, env: str, config: TransportConfig
 ) -> dict[str, Any]:
-    """Any method and solver, any cost."""
+    """Any method and solver, any cost, with surroundings where they may be an effector."""
     method = str(rng.choice([name for name in METHODS if name not in REFUSING]))
     solver = "auto"
     if rng.random() < 0.5:
         method, solver = "optimal", str(rng.choice(["pair", "structured", "conic"]))
+    possible = method in WITH_SURROUNDINGS and solver != "pair"
     settings = Settings(
         method=method,
         solver=solver,
         torque_weight=rng.uniform(0.02, 0.98),
         include_induced=bool(rng.random() < 0.5),
+        surroundings=possible and bool(rng.random() < 0.5),
     )
     return {"decomposition": settings}
 
@@ -242,10 +190,13 @@ FEATURES: tuple[Draw, ...] = (
     any_scene,
     any_ranges,
     any_team,
+    any_actuators,
     any_time,
     any_decomposition,
     any_partner,
     any_task,
     any_reward,
+    any_cost,
     any_senses,
+    any_bounds,
 )

@@ -4,9 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv import Transport
+from coopenv.arrays import FloatArray, IntArray
 
 Shape = tuple[int, ...]  # world, learner, numbers an agent gives
+
+
+def any_actions(rng: np.random.Generator, core: Transport, steps: int) -> FloatArray | IntArray:
+    """Actions ``(step, …)`` of a core's own shape: `any_pushes`, or numbers of pushes."""
+    if core.table is not None:
+        return rng.integers(len(core.table), size=(steps, *core.action_shape))
+    return any_pushes(rng, steps, core.action_shape)
 
 
 def any_pushes(rng: np.random.Generator, steps: int, shape: Shape) -> FloatArray:

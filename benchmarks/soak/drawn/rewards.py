@@ -1,4 +1,4 @@
-"""Rewards drawn at random: presets, and sums of any terms."""
+"""Rewards and costs drawn at random: presets, and sums of any terms."""
 
 from typing import Any
 
@@ -32,5 +32,15 @@ def any_reward(rng: np.random.Generator, env: str, config: TransportConfig) -> d
     """A preset, or some of `TERMS`."""
     if rng.random() < 0.3:
         return {"reward": str(rng.choice(list(rewards.PRESETS)))}
+    return {"reward": _some(rng)}
+
+
+def any_cost(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
+    """One by its name, or some of `TERMS`."""
+    named = str(rng.choice(list(rewards.COSTS)))
+    return {"cost": named if rng.random() < 0.3 else _some(rng)}
+
+
+def _some(rng: np.random.Generator) -> dict[str, Any]:
     some = rng.permutation(list(TERMS))[: rng.integers(1, len(TERMS) + 1)]
-    return {"reward": {name: TERMS[name] for name in some.tolist()}}
+    return {name: TERMS[name] for name in some.tolist()}

@@ -18,6 +18,11 @@ def any_senses(rng: np.random.Generator, env: str, config: TransportConfig) -> d
     return {"observe": tuple(_entry(rng, known[k]) for k in some)}
 
 
+def any_bounds(rng: np.random.Generator, env: str, config: TransportConfig) -> dict[str, Any]:
+    """Finite ends of every feature."""
+    return {"bounded": True}
+
+
 def _entry(rng: np.random.Generator, block: Block) -> str | Block | Sensor:
     """The block, often in a sensor; range readings with other rays."""
     if block.name in ("obstacles", "partner_obstacles") and rng.random() < 0.5:

@@ -61,7 +61,7 @@ def _own(rng: np.random.Generator, task: Any) -> dict[str, Any]:
         return {
             "obstacle_height": (low, low + rng.uniform(0.0, 0.4)),
             "obstacle_width": rng.uniform(0.1, 0.5),
-            "tilt_limit": rng.uniform(0.2, 3.2),
+            "tilt_limit": rng.uniform(0.2, 3.1),
         }
     if isinstance(task, WalkerTurnTask):
         return {"turn": (rng.uniform(0.0, 0.5), rng.uniform(0.6, 2.5))}

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
+from benchmarks.soak.drawn.pushes import any_actions
 from coopenv import Body, Scene, Transport, TransportConfig
 from tests.helpers import PARALLEL
 
@@ -35,16 +36,15 @@ def keywords_of(config: TransportConfig) -> dict[str, Any]:
 def core(env: str, config: TransportConfig, num_worlds: int, seed: int) -> View:
     """The core, of which some worlds begin anew each time."""
     made, rng = Transport(num_worlds=num_worlds, config=config), np.random.default_rng(seed)
-    shape = num_worlds, len(made.learners), made.action_size
     made.reset(seed=seed)
 
     def episode() -> None:
         made.reset(mask=rng.random(num_worlds) < 0.8)
-        for _ in range(STEPS):
+        for action in any_actions(rng, made, STEPS):
             ended = made.transition is not None and (
                 made.transition.terminated | made.transition.truncated
             )
-            made.step(rng.uniform(-1.0, 1.0, shape), restart=np.broadcast_to(ended, num_worlds))
+            made.step(action, restart=np.broadcast_to(ended, num_worlds))
 
     return View(episode, lambda: None)
 
