@@ -11,6 +11,7 @@ import sys
 import threading
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from typing import NamedTuple
 
 
@@ -21,7 +22,6 @@ class _Due(NamedTuple):
 
 _DUE: dict[Hashable, _Due] = {}
 _LAST = -1000  # priority among what multiprocessing does as a process ends: after its own -100
-_TOLD: set[str] = set()  # modules that call `_undo_all` at the end of this process
 
 
 def promise(key: Hashable, undo: Callable[[], object]) -> None:
@@ -79,18 +79,22 @@ def _undo_all() -> None:
 def _tell_multiprocessing() -> None:
     """Have its forked children undo too: they end without atexit, by finalizers of their own.
 
-    Each child tells it anew, as it forgets its parent's. Where nobody imported it there are none.
+    Where nobody imported it there are none.
     """
-    name = "multiprocessing.util"
-    finalize = getattr(sys.modules.get(name), "Finalize", None)
-    if finalize is not None and name not in _TOLD:
-        finalize(None, _undo_all, exitpriority=_LAST)
-        _TOLD.add(name)
+    finalize = getattr(sys.modules.get("multiprocessing.util"), "Finalize", None)
+    if finalize is not None:
+        _tell(finalize)
+
+
+@cache
+def _tell(finalize: Callable[..., object]) -> None:
+    """Once in a process: each child tells it anew, as it forgets its parent's finalizers."""
+    finalize(None, _undo_all, exitpriority=_LAST)
 
 
 def _forget() -> None:
     _DUE.clear()
-    _TOLD.clear()
+    _tell.cache_clear()
 
 
 if sys.platform != "win32":

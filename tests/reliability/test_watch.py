@@ -14,7 +14,6 @@ from benchmarks.soak.watch import Watch
 from coopenv import Actuators, Body, Hands, Ranges, Scene, Transport, TransportConfig
 from coopenv.errors import BodyLost
 from coopenv.physics.world import World
-from coopenv.stepping import handling
 from tests.reliability.test_walls import spinning
 from tests.test_partner import SteadyPlayer
 
@@ -60,13 +59,13 @@ def watched(moving: int, resting: int, twist=(0.0, 0.0, 0.0), **keywords) -> Tra
 
 def bouncing(monkeypatch):
     """Contacts that give five percent of the energy."""
-    advance = World._advance
+    hold = World.hold
 
-    def more(self, *under):
-        advance(self, *under)
+    def more(self, hands):
+        hold(self, hands)
         self.twist[self.contact_impulse != 0] *= np.sqrt(1.05)
 
-    monkeypatch.setattr(World, "_advance", more)
+    monkeypatch.setattr(World, "hold", more)
 
 
 def hurried(monkeypatch):
@@ -80,13 +79,13 @@ def driving(monkeypatch):
 
 
 def changed(monkeypatch, faster, damped):
-    read = handling._read
+    hold = World.hold
 
-    def other(*given):
-        clipped, velocity, spring, held = read(*given)
-        return clipped, faster * velocity, spring * [1.0, 1.0, damped, damped], held
+    def other(self, hands):
+        spring = hands.spring * [1.0, 1.0, damped, damped]
+        hold(self, hands._replace(velocity=faster * hands.velocity, spring=spring))
 
-    monkeypatch.setattr(handling, "_read", other)
+    monkeypatch.setattr(World, "hold", other)
 
 
 @pytest.mark.parametrize(
