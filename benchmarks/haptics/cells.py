@@ -40,7 +40,8 @@ class Cell(NamedTuple):
     def name(self) -> str:
         """Of its file."""
         parts = (self.action, self.beam, self.follower, self.seed, self.rows)
-        return "_".join(str(part) for part in parts if part is not None).replace(" ", "-")
+        name = "_".join(str(part) for part in parts if part is not None)
+        return name.replace(",", "").replace("γ", "gamma").replace(" ", "-")
 
 
 @dataclass(frozen=True, kw_only=True)
