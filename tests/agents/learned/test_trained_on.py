@@ -84,6 +84,13 @@ def test_a_scripted_one_beside_a_policy_that_moves_hands_moves_hands_too(by_hand
     assert "scripted" in told
 
 
+def test_an_allocation_that_hands_do_not_take_is_told_how_to_be_evaluated(by_hand, capsys):
+    assert cli.main(["evaluate", str(by_hand), "scripted:nonsqueezing", "--episodes=2"]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "options must be gains alone for action='motion'" in said
+    assert "evaluate scripted:nonsqueezing --env coopenv/BeamTransport-v0 --action wrench" in said
+
+
 def test_a_policy_of_one_agent_does_not_drive_several(one, capsys):
     with pytest.raises(InvalidInput, match=r"one agent.* beside a partner .* 2 learners"):
         evaluate(SB3Policy.load(one), SEEN, episodes=2)
