@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, booleans
+from coopenv.compiled.parallel import shared
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, ResetNeeded
 from coopenv.info import Info, copied
@@ -26,6 +27,9 @@ class Transport(SteppedWorlds):
         Worlds stepped together.
     config
         What they are; instead of it, any field of `TransportConfig` as a keyword.
+    threads
+        How many step the worlds, the caller's among them; results have the same bits for any
+        number. ``None``: one a core, or fewer where the batch is too small to gain from them.
 
     Attributes
     ----------
@@ -33,6 +37,8 @@ class Transport(SteppedWorlds):
         The description, the physics, the observation layout.
     conditions
         Bodies, scenes, team and plans of the episodes under way.
+    threads
+        As given, or chosen.
     dt, substeps, horizon, num_worlds, num_agents, action_size
         Read from the configuration; ``action_size`` is how many numbers make a push.
     table
@@ -69,7 +75,7 @@ class Transport(SteppedWorlds):
 
         One that was not reset yet, or broke off, is as good as new.
         """
-        made = _made, (type(self), self.num_worlds, self.config)
+        made = _made, (type(self), self.num_worlds, self.config, self.threads)
         return made if self.transition is None else (*made, self.get_state())
 
     def __setstate__(self, state: Snapshot) -> None:
@@ -251,7 +257,8 @@ class Transport(SteppedWorlds):
         try:
             if restart is not None:
                 restart = booleans(restart, "restart", self.num_worlds)
-            reward, terminated, truncated = self._step(action, restart)
+            with shared(self.threads):
+                reward, terminated, truncated = self._step(action, restart)
             if restart is None or not restart.any():
                 return self._obs, reward, terminated, truncated, self._info
             obs, info = self.reset(mask=restart)
@@ -261,5 +268,7 @@ class Transport(SteppedWorlds):
             turn.release()
 
 
-def _made(kind: type[Transport], num_worlds: int, config: TransportConfig) -> Transport:
-    return kind(num_worlds=num_worlds, config=config)
+def _made(
+    kind: type[Transport], num_worlds: int, config: TransportConfig, threads: int
+) -> Transport:
+    return kind(num_worlds=num_worlds, config=config, threads=threads)

@@ -6,7 +6,6 @@ from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated_back
 from coopenv.physics.coefficients import CONTACT, HEAVY, INERTIA, LENT, MASS, REACH, RUBS, WHEELS
 from coopenv.physics.contacts import spent, yielded
-from coopenv.physics.motion import drive
 from coopenv.physics.surroundings import add_contacts
 
 
@@ -125,16 +124,3 @@ def _shifted(table, k, at, expected, pose):
     if abs(turn) > rounding:
         moved += table[k, REACH] * abs(turn)
     return moved
-
-
-@compiled
-def collect_and_drive(rows, table, rooms, buffers, expected, reached, wrench, step):
-    """`collect` one substep and `drive` the next, in one call from Python.
-
-    ``buffers`` are report and command, ``reached`` what `collect` writes; the rest as there.
-    """
-    report, command = buffers
-    pose, twist, impulse, shift, around = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around)
-    drive(rows, table, pose, twist, wrench, step, command, expected, around)
-    return lost

@@ -5,17 +5,19 @@
 
 import weakref
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pymunk
 import pymunk.batch as batch
 
 from coopenv.arrays import FloatArray, IntArray
-from coopenv.errors import BodyLost
-from coopenv.physics import collect, compliance, motion
+from coopenv.physics.advance import Memory
 from coopenv.physics.body import Body
-from coopenv.physics.coefficients import CONTACT, NUM_EXPECTED, coefficients
+from coopenv.physics.coefficients import CONTACT, coefficients
 from coopenv.physics.friction import held
+from coopenv.physics.native import EACH_BODY, GET_BODY, NUM_CALLS, SET_BODY, STEP
 from coopenv.physics.scene import WALL_THICKNESS, Scene
 
 SOLVER_ITERATIONS = 10
@@ -27,22 +29,43 @@ COLLISION_PERSISTENCE = 1
 
 Space = pymunk.Space  # for annotations elsewhere
 
-_REPORT = (
-    batch.BodyFields.POSITION
-    | batch.BodyFields.ANGLE
-    | batch.BodyFields.VELOCITY
-    | batch.BodyFields.ANGULAR_VELOCITY
-)
-_COMMAND = (
+_FUNCTIONS = {
+    STEP: "cpSpaceStep",
+    EACH_BODY: "cpSpaceEachBody",
+    SET_BODY: "pmSpaceBodySetIteratorFuncBatched",
+    GET_BODY: "pmSpaceBodyGetIteratorFuncBatched",
+}
+
+_COMMANDS = (
     batch.BodyFields.VELOCITY
     | batch.BodyFields.ANGULAR_VELOCITY
     | batch.BodyFields.FORCE
     | batch.BodyFields.TORQUE
 )
+_REPORTS = (
+    batch.BodyFields.POSITION
+    | batch.BodyFields.ANGLE
+    | batch.BodyFields.VELOCITY
+    | batch.BodyFields.ANGULAR_VELOCITY
+)
+
+
+def calls() -> IntArray:
+    """``(NUM_CALLS,)`` addresses of what `coopenv.physics.native` calls, in this process."""
+    found = [batch.ffi.addressof(batch.lib, _FUNCTIONS[number]) for number in range(NUM_CALLS)]
+    return np.array([_address(function) for function in found])
+
+
+def _address(of: Any) -> int:
+    return int(batch.ffi.cast("uintptr_t", of))
 
 
 class Shard:
-    """Worlds far apart on a grid in one pymunk space; ``first`` is the batch's number of theirs."""
+    """Worlds far apart on a grid in one pymunk space, which compiled code steps (`advance`).
+
+    ``memory`` is the shard's part of what that keeps; it is written here at the beginning, and
+    where bodies are replaced.
+    """
 
     def __init__(
         self,
@@ -50,18 +73,18 @@ class Shard:
         scenes: Sequence[Scene],
         substep: float,
         reach: float,
-        first: int = 0,
+        memory: Memory,
     ):
-        self._first = first
         self._bodies, self._scenes, self._substep = list(bodies), list(scenes), substep
-        self._table = _table(bodies, scenes, substep)
+        self._memory, self._table = memory, memory.table
+        self._table[:] = _table(bodies, scenes, substep)
         self.space = pymunk.Space()
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
         self.space.collision_persistence = COLLISION_PERSISTENCE
         self._origin = _grid(scenes, reach)
-        bounds = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
-        self._rooms = np.concatenate([self._origin, bounds], axis=1)
+        memory.rooms[:, :2] = self._origin
+        memory.rooms[:, 2:] = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
         for scene, origin in zip(scenes, self._origin, strict=True):
             self._build(scene.walls(), origin, scene.friction)
         self._obstacles = [
@@ -70,11 +93,14 @@ class Shard:
         ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
-        self._expected = np.zeros((len(bodies), NUM_EXPECTED))
-        self._command, self._commands = _array_of(_buffer(self), len(bodies))
-        self._report, self._reports = _array_of(_buffer(self), len(bodies))
         self._names = _buffer(self)
-        self._rows = self._find_rows()
+        self._find_rows()
+        self._views = [
+            self._view(_COMMANDS, memory.commands[0], memory.cursors[0, 0]),
+            self._view(_REPORTS, memory.reports[0], memory.cursors[0, 1]),
+        ]
+        handles = (self.space._space, *self._views)
+        memory.handles[0] = [_address(handle) for handle in handles]
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         """As `World.furnish`; here as below, worlds are counted within the shard."""
@@ -100,15 +126,15 @@ class Shard:
             assert old.body is not None
             self.space.remove(old, old.body)
             self._shapes[k] = self._add(k, x, y, angle)
-        self._expected[worlds] = 0.0  # no contact lasts
+        self._memory.expected[worlds] = 0.0  # no contact lasts
         # A step of no time moves nothing. It lets go of the shapes that were removed, which the
         # space otherwise keeps until it steps, however often worlds are placed meanwhile.
         self.space.step(0.0)
-        self._rows = self._find_rows()
+        self._find_rows()
 
     def move(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put bodies that remember no contact elsewhere."""
-        self._expected[worlds] = 0.0  # what they touched before they were there
+        self._memory.expected[worlds] = 0.0  # what they touched before they were there
         position = (pose[:, :2] + self._origin[worlds]).tolist()
         for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
             body = self._shapes[k].body
@@ -121,68 +147,7 @@ class Shard:
 
         It bears bodies with weight in the next one, and only they have any [m/s, rad/s].
         """
-        return self._expected[:, CONTACT : CONTACT + 3]
-
-    def step(
-        self,
-        start: tuple[FloatArray, ...],
-        under: tuple[FloatArray, ...],
-        reached: tuple[FloatArray, ...],
-        substeps: int,
-    ) -> None:
-        """Go on from pose and twist under a wrench; writes what `collect.collect` does."""
-        rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        (pose, *_, around), (wrench,), buffers = reached, under, (self._report, self._command)
-        motion.drive(rows, table, *start, wrench, substep, self._command, expected, around)
-        for _ in range(substeps - 1):
-            self._move()
-            lost = collect.collect_and_drive(
-                rows, table, self._rooms, buffers, expected, reached, wrench, substep
-            )
-            self._check_held(lost, pose)
-        self._move()
-        lost = collect.collect(rows, table, self._rooms, self._report, expected, *reached)
-        self._check_held(lost, pose)
-
-    def hold(
-        self,
-        start: tuple[FloatArray, ...],
-        hands: tuple[FloatArray, ...],
-        reached: tuple[FloatArray, ...],
-        substeps: int,
-    ) -> None:
-        """`step` under what hands give, the arrays of a `coopenv.physics.compliance.Hold`."""
-        rows, table, expected, substep = self._rows, self._table, self._expected, self._substep
-        (pose, *_, around), share = reached, 1 / substeps
-        buffers = self._report, self._command
-        compliance.hold(rows, table, *start, hands, substep, share, self._command, expected, around)
-        for _ in range(substeps - 1):
-            self._move()
-            lost = compliance.collect_and_hold(
-                rows, table, self._rooms, buffers, expected, reached, hands, substep, share
-            )
-            self._check_held(lost, pose)
-        self._move()
-        lost = collect.collect(rows, table, self._rooms, self._report, expected, *reached)
-        self._check_held(lost, pose)
-        compliance.feel(*reached[:2], hands)
-
-    def _move(self) -> None:
-        """Let pymunk read the commands, step, and report."""
-        batch.set_space_bodies(self.space, _COMMAND, self._commands)
-        self.space.step(self._substep)
-        self._reports.clear()
-        batch.get_space_bodies(self.space, _REPORT, self._reports)
-
-    def _check_held(self, lost: int, pose: FloatArray) -> None:
-        """Raise `BodyLost` for the world ``lost``, if it is one."""
-        if lost >= 0:
-            world, (x, y) = self._first + lost, pose[lost, :2]
-            raise BodyLost(
-                f"the body of world {world} must stay in its room, got ({x:.1f}, {y:.1f}) m, "
-                "beyond the walls; use more substeps, a heavier body, more drag or weaker agents",
-                world,
-            )
+        return self._memory.expected[:, CONTACT : CONTACT + 3]
 
     def _build(
         self, solids: Sequence[FloatArray], origin: FloatArray, friction: float
@@ -205,13 +170,28 @@ class Shard:
         self._ids[k] = body.id
         return shape
 
-    def _find_rows(self) -> IntArray:
-        """The row of each world in pymunk's order, which changes when a body is replaced."""
+    def _view(
+        self, names: batch.BodyFields, array: FloatArray, header: npt.NDArray[np.int32]
+    ) -> Any:
+        """What pymunk takes for an array that it reads or writes; it lives as long as it is kept.
+
+        Its header is in memory that kernels reach: the first number of it is how much of the array
+        was read or written.
+        """
+        floats = batch.ffi.cast("pmFloatArray *", batch.ffi.from_buffer(header))
+        floats.arr = batch.ffi.cast("cpFloat *", batch.ffi.from_buffer(array))
+        floats.num, floats.max = 0, array.size
+        view = batch.ffi.new("pmBatchedData *")
+        view.fields, view.floatArray, view.intArray = names.value, floats, self._names._int_arr
+        return view
+
+    def _find_rows(self) -> None:
+        """Note the row of each world in pymunk's order, which changes when a body is replaced."""
         self._names.clear()
         batch.get_space_bodies(self.space, batch.BodyFields.BODY_ID, self._names)
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
-        return order[np.searchsorted(listed, self._ids, sorter=order)]
+        self._memory.rows[:] = order[np.searchsorted(listed, self._ids, sorter=order)]
 
 
 def _table(bodies: Sequence[Body], scenes: Sequence[Scene], substep: float) -> FloatArray:
@@ -244,17 +224,6 @@ def _buffer(owner: object) -> batch.Buffer:
 def _give_back(buffer: batch.Buffer) -> None:
     buffer.set_float_buf(np.zeros(1))  # lets go of the owner's array
     _spare.append(buffer)
-
-
-def _array_of(buffer: batch.Buffer, num_bodies: int) -> tuple[FloatArray, batch.Buffer]:
-    """An array of six columns that pymunk reads and writes in place through ``buffer``.
-
-    The static body takes a row after the others. One more stays empty: pymunk reallocates a
-    buffer as soon as it is full, and this memory is NumPy's.
-    """
-    array = np.zeros((num_bodies + 2, 6))
-    buffer.set_float_buf(array)
-    return array, buffer
 
 
 def _grid(scenes: Sequence[Scene], reach: float) -> FloatArray:

@@ -5,13 +5,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from coopenv.arrays import FloatArray, IntArray, has_items, with_items
-from coopenv.errors import InvalidInput
+from coopenv.compiled.parallel import sharing
+from coopenv.errors import BodyLost, InvalidInput
+from coopenv.physics.advance import Memory, hold_shards, step_shards
 from coopenv.physics.body import Body
 from coopenv.physics.compliance import Hold
 from coopenv.physics.scene import Scene
-from coopenv.physics.shard import Shard, Space
+from coopenv.physics.shard import Shard, Space, calls
 from coopenv.physics.surroundings import NUM_GIVEN
-from coopenv.physics.threads import side_by_side
 
 SHARD_SIZE = 256  # worlds in one pymunk space; the broad phase degrades in the thousands
 
@@ -67,16 +68,20 @@ class World:
         self.contact_shift = np.zeros(self.num_worlds)
         self.given = np.zeros((self.num_worlds, NUM_GIVEN))
         reach = max(body.reach for body in self.bodies) if reach is None else reach
+        self._size = min(SHARD_SIZE, self.num_worlds)
+        self._memory, self._calls = Memory.of(self.num_worlds, self._size), calls()
         self._shards = [
             Shard(
                 self.bodies[start : start + SHARD_SIZE],
                 self.scenes[start : start + SHARD_SIZE],
                 self.substep,
                 reach,
-                start,
+                self._memory.shard(start // SHARD_SIZE, self._size),
             )
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
+        self._lost = np.full(len(self._shards), -1)
+        self._moved = self._calls, tuple(self._memory)  # as kernels take them
 
     @property
     def spaces(self) -> list[Space]:
@@ -177,7 +182,7 @@ class World:
             If a body is too fast for its substeps and got through a wall; of which world is its
             ``world``.
         """
-        self._advance(Shard.step, (wrench,))
+        self._advance(step_shards, wrench)
 
     def hold(self, hands: Hold) -> None:
         """`step` under what hands give in place of a wrench; their references go on too.
@@ -188,38 +193,34 @@ class World:
             Its ``applied`` has to be zero, and becomes the mean wrench; ``reference`` is changed in
             place, and ``stretch``, ``felt`` and ``energy`` are written.
         """
-        self._advance(Shard.hold, tuple(hands))
+        self._advance(hold_shards, tuple(hands))
 
-    def _advance(self, shard_step: Callable[..., None], under: tuple[FloatArray, ...]) -> None:
+    def _advance(
+        self, kernel: Callable[..., None], under: FloatArray | tuple[FloatArray, ...]
+    ) -> None:
         """Step every shard ``under`` what its worlds are moved by, one row a world."""
-        start = self.pose, self.twist
+        begin = self.pose, self.twist
         self.pose, self.twist = np.empty((self.num_worlds, 3)), np.empty((self.num_worlds, 3))
         self.contact_impulse = np.zeros(self.num_worlds)
         self.contact_shift = np.zeros(self.num_worlds)
         self.given = np.zeros((self.num_worlds, NUM_GIVEN))
         reached = self.pose, self.twist, self.contact_impulse, self.contact_shift, self.given
-        if len(self._shards) == 1:  # as below, without slicing, which one world would feel
-            shard_step(self._shards[0], start, under, reached, self.substeps)
-        else:
-            self._in_shards(shard_step, start, under, reached)
-        self.given /= self._dt
+        kernel(
+            *sharing(len(self._shards)), *self._moved, begin, under, reached, self._lost,
+            self._size, self._dt, self.substeps,
+        )  # fmt: skip
+        if (self._lost >= 0).any():
+            self._tell_lost()
 
-    def _in_shards(
-        self,
-        shard_step: Callable[..., None],
-        start: tuple[FloatArray, ...],
-        under: tuple[FloatArray, ...],
-        reached: tuple[FloatArray, ...],
-    ) -> None:
-        """Step each shard with its rows of all arrays."""
-
-        def advance(number: int) -> None:
-            part = slice(number * SHARD_SIZE, (number + 1) * SHARD_SIZE)
-            own = [tuple(array[part] for array in arrays) for arrays in (start, under, reached)]
-            shard_step(self._shards[number], *own, self.substeps)
-
-        # pymunk and the compiled kernels release the interpreter lock, so shards run in parallel.
-        side_by_side(advance, len(self._shards))
+    def _tell_lost(self) -> None:
+        shard = int(np.argmax(self._lost >= 0))
+        world = shard * SHARD_SIZE + int(self._lost[shard])
+        x, y = self.pose[world, :2]
+        raise BodyLost(
+            f"the body of world {world} must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond "
+            "the walls; use more substeps, a heavier body, more drag or weaker agents",
+            world,
+        )
 
 
 def _walls(scene: Scene) -> tuple[tuple[float, float], float]:

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, whole, with_rows
+from coopenv.compiled.parallel import cores
 from coopenv.conditions import Conditions, Team
 from coopenv.config import ACTIONS, TransportConfig
 from coopenv.errors import InvalidInput, ResetNeeded
@@ -27,6 +28,8 @@ from coopenv.tasks.episodes import Episodes
 from coopenv.transition import State, Transition
 
 MOST_WORLDS = 10**6  # more take hours to make, and more memory than there is
+MOST_THREADS = 1024
+WORTH_A_THREAD = 256  # worlds; fewer gain nothing from another one
 
 
 class SteppedWorlds:
@@ -36,7 +39,12 @@ class SteppedWorlds:
     """
 
     def __init__(
-        self, *, num_worlds: int = 1, config: TransportConfig | None = None, **keywords: Any
+        self,
+        *,
+        num_worlds: int = 1,
+        config: TransportConfig | None = None,
+        threads: int | None = None,
+        **keywords: Any,
     ):
         if config is not None and keywords:
             raise InvalidInput(
@@ -45,6 +53,7 @@ class SteppedWorlds:
             )
         self.config = config if config is not None else TransportConfig.parse(keywords)
         self.num_worlds = whole(num_worlds, "num_worlds", at_least=1, at_most=MOST_WORLDS)
+        self.threads = threads_for(self.num_worlds) if threads is None else _threads(threads)
         self.num_agents = self.config.num_agents
         self.learners = self.config.learners
         self.action_size = ACTIONS[self.config.action]
@@ -257,3 +266,12 @@ class SteppedWorlds:
             dt=self.dt,
             horizon=self.horizon,
         )
+
+
+def threads_for(num_worlds: int) -> int:
+    """How many threads step so many worlds fastest: one a core, if each has enough to do."""
+    return min(cores(), max(1, num_worlds // WORTH_A_THREAD))
+
+
+def _threads(given: int) -> int:
+    return whole(given, "threads", at_least=1, at_most=MOST_THREADS)

@@ -24,6 +24,6 @@ third order in h) the reference is moved along.
 """
 
 from coopenv.physics.compliance.felt import feel
-from coopenv.physics.compliance.substep import Hold, collect_and_hold, hold
+from coopenv.physics.compliance.substep import Hold, hold
 
-__all__ = ["Hold", "collect_and_hold", "feel", "hold"]
+__all__ = ["Hold", "feel", "hold"]

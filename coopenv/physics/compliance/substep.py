@@ -160,13 +160,3 @@ def _give(k, at, world, agents, hands, share):
         for j in range(3):
             reference[k, i, j] = agents[i, REFERENCE + j, at]
     return along, across
-
-
-@compiled
-def collect_and_hold(rows, table, rooms, buffers, expected, reached, hands, step, share):
-    """`collect` one substep and `hold` the next, in one call from Python."""
-    report, command = buffers
-    pose, twist, impulse, shift, around = reached
-    lost = collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around)
-    hold(rows, table, pose, twist, hands, step, share, command, expected, around)
-    return lost

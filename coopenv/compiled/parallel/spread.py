@@ -1,0 +1,127 @@
+"""Spread: a kernel's work in parts, for whoever is there to take them."""
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from coopenv.compiled.kinds import compiled, inlined
+from coopenv.compiled.parallel.board import (
+    ARGUMENTS,
+    COUNT,
+    DONE,
+    END_BITS,
+    JOB_BITS,
+    MOST_PARTS,
+    OWNER,
+    PARTS,
+    TASK,
+    TICKET,
+    add,
+    exchanged,
+    read,
+    write,
+)
+
+
+@intrinsic
+def _as_task(typingctx, kernel, arguments):
+    """Addresses of a task that calls ``kernel(start, stop, *arguments)``, and of the arguments.
+
+    They stay valid until the function returns that this is compiled into.
+    """
+    inner = kernel.get_call_type(typingctx, (types.intp, types.intp, *arguments), {})
+    if inner.return_type != types.none:
+        raise TypeError("a kernel that is spread must return nothing")
+    compiled_kernel = kernel.dispatcher.get_compile_result(inner)
+
+    def generate(context, builder, signature, values):
+        del signature
+        context.active_code_library.add_linking_library(compiled_kernel.library)
+        kept = cgutils.alloca_once_value(builder, values[1])
+        bytes_at, word = ir.IntType(8).as_pointer(), ir.IntType(64)
+        kind = ir.FunctionType(ir.VoidType(), (bytes_at, word, word))
+        name = builder.module.get_unique_name(f"{builder.function.name}.task")
+        task = ir.Function(builder.module, kind, name=name)
+        task.linkage = "internal"
+        inside = ir.IRBuilder(task.append_basic_block("entry"))
+        loaded = inside.load(inside.bitcast(task.args[0], kept.type))
+        given = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, loaded)]
+        context.call_internal_no_propagate(inside, compiled_kernel.fndesc, inner, given)
+        inside.ret_void()
+        addresses = builder.ptrtoint(task, word), builder.ptrtoint(kept, word)
+        return context.make_tuple(builder, types.UniTuple(types.intp, 2), addresses)
+
+    return types.UniTuple(types.intp, 2)(kernel, arguments), generate
+
+
+@intrinsic
+def _call(typingctx, task, arguments, start, stop):
+    """Call what `_as_task` made, for rows from ``start`` to before ``stop``."""
+    del typingctx
+
+    def generate(context, builder, signature, values):
+        del signature
+        bytes_at, word = ir.IntType(8).as_pointer(), ir.IntType(64)
+        kind = ir.FunctionType(ir.VoidType(), (bytes_at, word, word))
+        function = builder.inttoptr(values[0], kind.as_pointer())
+        builder.call(function, (builder.inttoptr(values[1], bytes_at), *values[2:]))
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp, types.intp, types.intp), generate
+
+
+@compiled
+def take_part(board, from_front):
+    """Do a part of the job on the board, if one is left; whether there was one."""
+    ticket = read(board, TICKET)
+    front, back = (ticket >> END_BITS) & MOST_PARTS, ticket & MOST_PARTS
+    if front >= back:
+        return False
+    if not exchanged(board, TICKET, ticket, ticket + 2**END_BITS if from_front else ticket - 1):
+        return True  # another was quicker
+    number = front if from_front else back - 1
+    count, parts = read(board, COUNT), read(board, PARTS)
+    start, stop = number * count // parts, (number + 1) * count // parts
+    _call(read(board, TASK), read(board, ARGUMENTS), start, stop)
+    add(board, DONE, 1)
+    return True
+
+
+@inlined
+def spread(board, parts, count, kernel, arguments):
+    """Do ``kernel(start, stop, *arguments)`` for all rows from 0 to ``count``, in ``parts``.
+
+    Threads of the crew take parts too; this returns when all are done. If another thread's job is
+    on the board, the caller does its own alone.
+
+    Parameters
+    ----------
+    board
+        Its address; 0: nobody helps.
+    parts
+        In how many parts; the rows of each are a kernel call's.
+    count
+        Rows.
+    kernel
+        A function of `coopenv.compiled.compiled` that writes into its arguments and returns
+        nothing.
+    arguments
+        Tuple.
+    """
+    if board == 0 or parts <= 1 or not exchanged(board, OWNER, 0, 1):
+        kernel(0, count, *arguments)
+        return
+    task, kept = _as_task(kernel, arguments)
+    write(board, TASK, task)
+    write(board, ARGUMENTS, kept)
+    write(board, COUNT, count)
+    write(board, PARTS, parts)
+    write(board, DONE, 0)
+    number = (read(board, TICKET) >> JOB_BITS) + 1
+    write(board, TICKET, (number << JOB_BITS) + parts)
+    while take_part(board, True):
+        pass
+    while read(board, DONE) < parts:
+        pass
+    write(board, OWNER, 0)

@@ -1,0 +1,172 @@
+"""Advance: a whole control step of many shards in one call, on as many cores as there are.
+
+Of each shard pymunk reads the commands, steps, and reports, once a substep.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from coopenv.arrays import FloatArray, IntArray
+from coopenv.compiled import compiled, inlined
+from coopenv.compiled.parallel import spread
+from coopenv.physics.coefficients import NUM_COEFFICIENTS, NUM_EXPECTED
+from coopenv.physics.collect import collect
+from coopenv.physics.compliance import feel, hold
+from coopenv.physics.motion import drive
+from coopenv.physics.native import (
+    COMMANDS,
+    EACH_BODY,
+    GET_BODY,
+    NUM_HANDLES,
+    REPORTS,
+    SET_BODY,
+    SPACE,
+    STEP,
+    each_body,
+    step_space,
+)
+
+
+class Memory(NamedTuple):
+    """What kernels keep of worlds from step to step; those of a shard are its part of it.
+
+    The engine takes rows for the static body and one that stays empty, as it makes room anew as
+    soon as what it writes to is full.
+    """
+
+    rows: IntArray  # (world,) in the reports and commands of its shard
+    table: FloatArray  # (world, NUM_COEFFICIENTS)
+    rooms: FloatArray  # (world, 4), see `coopenv.physics.collect.collect`
+    expected: FloatArray  # (world, NUM_EXPECTED)
+    handles: IntArray  # (shard, NUM_HANDLES) addresses
+    cursors: IntArray  # (shard, 2, 4) int32: headers of commands and reports
+    commands: FloatArray  # (shard, row, 6), see `coopenv.physics.motion.drive`
+    reports: FloatArray  # (shard, row, 6), see `coopenv.physics.collect.collect`
+
+    @classmethod
+    def of(cls, num_worlds: int, size: int) -> "Memory":
+        """For shards of ``size`` worlds, and a last one of what is left."""
+        count = -(-num_worlds // size)
+        return cls(
+            rows=np.zeros(num_worlds, dtype=np.int64),
+            table=np.zeros((num_worlds, NUM_COEFFICIENTS)),
+            rooms=np.zeros((num_worlds, 4)),
+            expected=np.zeros((num_worlds, NUM_EXPECTED)),
+            handles=np.zeros((count, NUM_HANDLES), dtype=np.int64),
+            cursors=np.zeros((count, 2, 4), dtype=np.int32),
+            commands=np.zeros((count, size + 2, 6)),
+            reports=np.zeros((count, size + 2, 6)),
+        )
+
+    def shard(self, number: int, size: int) -> "Memory":
+        """The part of a shard, with axes as all have them."""
+        worlds, shards = slice(number * size, (number + 1) * size), slice(number, number + 1)
+        return Memory(*(a[worlds] for a in self[:4]), *(a[shards] for a in self[4:]))
+
+
+@inlined
+def _move(s, calls, handles, cursors, substep):
+    """Let the engine read the commands of shard ``s``, step, and report."""
+    space = handles[s, SPACE]
+    cursors[s, 0, 0] = 0
+    each_body(calls[EACH_BODY], space, calls[SET_BODY], handles[s, COMMANDS])
+    step_space(calls[STEP], space, substep)
+    cursors[s, 1, 0] = 0
+    each_body(calls[EACH_BODY], space, calls[GET_BODY], handles[s, REPORTS])
+
+
+@inlined
+def _average(around, dt):
+    """Make of what was given over a step its mean."""
+    for k in range(len(around)):
+        for i in range(around.shape[1]):
+            around[k, i] /= dt
+
+
+@compiled
+def _step_shards(start, stop, calls, memory, begin, wrench, reached, lost, size, dt, substeps):
+    rows, table, rooms, expected, handles, cursors, commands, reports = memory
+    substep = dt / substeps
+    for s in range(start, stop):
+        a, b = s * size, min((s + 1) * size, len(rows))
+        own, of, foreseen = rows[a:b], table[a:b], expected[a:b]
+        pose, twist, impulse, shift, around = (
+            reached[0][a:b], reached[1][a:b], reached[2][a:b], reached[3][a:b], reached[4][a:b],
+        )  # fmt: skip
+        under, step = wrench[a:b], commands[s]
+        drive(own, of, begin[0][a:b], begin[1][a:b], under, substep, step, foreseen, around)
+        for left in range(substeps - 1, -1, -1):
+            _move(s, calls, handles, cursors, substep)
+            lost[s] = collect(
+                own, of, rooms[a:b], reports[s], foreseen, pose, twist, impulse, shift, around
+            )
+            if left == 0 or lost[s] >= 0:
+                break
+            drive(own, of, pose, twist, under, substep, step, foreseen, around)
+        _average(around, dt)
+
+
+@compiled
+def _hold_shards(start, stop, calls, memory, begin, hands, reached, lost, size, dt, substeps):
+    rows, table, rooms, expected, handles, cursors, commands, reports = memory
+    substep, share = dt / substeps, 1 / substeps
+    for s in range(start, stop):
+        a, b = s * size, min((s + 1) * size, len(rows))
+        own, of, foreseen = rows[a:b], table[a:b], expected[a:b]
+        pose, twist, impulse, shift, around = (
+            reached[0][a:b], reached[1][a:b], reached[2][a:b], reached[3][a:b], reached[4][a:b],
+        )  # fmt: skip
+        under = (
+            hands[0][a:b], hands[1][a:b], hands[2][a:b], hands[3][a:b], hands[4][a:b],
+            hands[5][a:b], hands[6][a:b], hands[7][a:b], hands[8][a:b], hands[9][a:b],
+        )  # fmt: skip
+        step = commands[s]
+        hold(own, of, begin[0][a:b], begin[1][a:b], under, substep, share, step, foreseen, around)
+        for left in range(substeps - 1, -1, -1):
+            _move(s, calls, handles, cursors, substep)
+            lost[s] = collect(
+                own, of, rooms[a:b], reports[s], foreseen, pose, twist, impulse, shift, around
+            )
+            if left == 0 or lost[s] >= 0:
+                break
+            hold(own, of, pose, twist, under, substep, share, step, foreseen, around)
+        feel(pose, twist, under)
+        _average(around, dt)
+
+
+@compiled
+def step_shards(board, parts, calls, memory, begin, wrench, reached, lost, size, dt, substeps):
+    """Advance all shards by a control step of ``dt`` [s] under a held wrench.
+
+    Parameters
+    ----------
+    board, parts
+        As in `coopenv.compiled.parallel.spread`; no part is smaller than a shard.
+    calls
+        ``(NUM_CALLS,)`` addresses of the engine's functions.
+    memory
+        `Memory`, as a tuple.
+    begin
+        Pose and twist ``(world, 3)`` at the beginning.
+    wrench
+        ``(world, 3)`` object frame [N, N·m].
+    reached
+        Pose, twist, impulse, shift and around, as `coopenv.physics.collect.collect` has them; what
+        is added has to be zero. ``around`` becomes a mean over the step.
+    lost
+        ``(shard,)`` written: a world of the shard that left its room, or −1.
+    size
+        Worlds of a shard.
+    dt, substeps
+        Of a control step [s], and how often pymunk steps in it.
+    """
+    arguments = (calls, memory, begin, wrench, reached, lost, size, dt, substeps)
+    spread(board, parts, len(lost), _step_shards, arguments)
+
+
+@compiled
+def hold_shards(board, parts, calls, memory, begin, hands, reached, lost, size, dt, substeps):
+    """`step_shards` under what hands give: the fields of a `coopenv.physics.compliance.Hold`."""
+    arguments = (calls, memory, begin, hands, reached, lost, size, dt, substeps)
+    spread(board, parts, len(lost), _hold_shards, arguments)
