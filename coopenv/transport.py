@@ -257,8 +257,11 @@ class Transport(SteppedWorlds):
         try:
             if restart is not None:
                 restart = booleans(restart, "restart", self.num_worlds)
-            with shared(self.threads):
+            if self.threads == 1:
                 reward, terminated, truncated = self._step(action, restart)
+            else:
+                with shared(self.threads):
+                    reward, terminated, truncated = self._step(action, restart)
             if restart is None or not restart.any():
                 return self._obs, reward, terminated, truncated, self._info
             obs, info = self.reset(mask=restart)

@@ -37,6 +37,11 @@ class Crew:
             gate.acquire()
             Thread(target=self._help, args=(gate,), name="coopenv", daemon=True).start()
 
+    @property
+    def awake(self) -> int:
+        """How many helpers look for work now."""
+        return int(self._board[AWAKE])
+
     def wake(self) -> None:
         """Let all helpers look for work; at most a microsecond where they do."""
         if self._board[AWAKE] < self.helpers:
