@@ -4,9 +4,10 @@ Knows pixels (x right, y down) and colours; what is drawn with them is `coopenv.
 Only the window initialises a display.
 """
 
+import os
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from math import ceil, floor
 from typing import Any, TypeAlias
 
@@ -23,15 +24,23 @@ Rectangle: TypeAlias = tuple[float, float, float, float]  # left, top, right, bo
 # Fourfold, for 16 levels of coverage. A power of two, so that enlarging and shrinking a region
 # gives back the same bits where nothing was drawn.
 _FINE = 4
+_NO_GREETING = "PYGAME_HIDE_SUPPORT_PROMPT"  # in the environment, which pygame reads
 
 
 def load_pygame() -> Any:
-    """The pygame module, without its greeting on standard output."""
+    """The pygame module, without its greeting on standard output.
+
+    It is asked not to greet: diverted output might never come back where a signal interrupts.
+    """
+    silent = _NO_GREETING in os.environ
+    os.environ.setdefault(_NO_GREETING, "1")
     try:
-        with redirect_stdout(None):
-            import pygame
+        import pygame
     except ImportError as error:
         raise MissingExtra("coopenv.render.renderer", "render") from error
+    finally:
+        if not silent:
+            os.environ.pop(_NO_GREETING, None)
     return pygame
 
 

@@ -201,6 +201,24 @@ assert before == after, (before, after)
     assert run.stdout == ""  # pygame's greeting would spoil tables
 
 
+def test_standard_output_stays_while_pygame_is_imported():
+    """An interruption in that moment could keep it away for good."""
+    code = """
+import sys
+seen = []
+class Watch:
+    def find_spec(self, name, path=None, target=None):
+        if name == "pygame":
+            seen.append(sys.stdout)
+sys.meta_path.insert(0, Watch())
+from coopenv.render.canvas import load_pygame
+load_pygame()
+assert seen == [sys.stdout], seen
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
 def test_another_librarys_pygame_quit_does_no_harm():
     core = stepped(SQUEEZE)
     renderer = Renderer(core.bodies, core.scenes)
