@@ -7,6 +7,8 @@
 ``@anywhere``
     The same arithmetic for all: Python calls it as it is, with numbers or arrays of any shape, and
     a kernel that calls it has it compiled in.
+``@in_llvm``
+    Called from kernels only; its body says what instructions it becomes.
 ``@gufunc(layout, signature)``
     A NumPy ufunc over any batch shape.
 ``@fused``, ``@fused_inlined``, ``@fused_entry``
@@ -36,6 +38,7 @@ from coopenv.compiled.kinds import (
     fused_entry,
     fused_inlined,
     gufunc,
+    in_llvm,
     inlined,
 )
 
@@ -47,5 +50,6 @@ __all__ = [
     "fused_entry",
     "fused_inlined",
     "gufunc",
+    "in_llvm",
     "inlined",
 ]

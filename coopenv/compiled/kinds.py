@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from numba import guvectorize, njit
 from numba.core.compiler_lock import global_compiler_lock
-from numba.extending import register_jitable
+from numba.extending import intrinsic, register_jitable
 
 from coopenv.compiled.cache import forget_loop
 from coopenv.compiled.dependencies import ANYWHERE, known
@@ -49,6 +49,14 @@ def fused_inlined(function: Callable[..., Any]) -> Any:
 def fused_entry(function: Callable[..., Any]) -> Any:
     """Compile the function through which Python calls kernels whose products and sums are fused."""
     return njit(**_FUSED, cache=True)(known(function))
+
+
+def in_llvm(function: Callable[..., Any]) -> Any:
+    """Make a function of compiled code whose body is in LLVM's terms.
+
+    Its first parameter comes from numba, the others from the caller: no type checker can know.
+    """
+    return intrinsic(function)
 
 
 def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:

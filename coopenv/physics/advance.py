@@ -6,6 +6,7 @@ Of each shard pymunk reads the commands, steps, and reports, once a substep.
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.compiled import compiled, inlined
@@ -40,7 +41,7 @@ class Memory(NamedTuple):
     rooms: FloatArray  # (world, 4), see `coopenv.physics.collect.collect`
     expected: FloatArray  # (world, NUM_EXPECTED)
     handles: IntArray  # (shard, NUM_HANDLES) addresses
-    cursors: IntArray  # (shard, 2, 4) int32: headers of commands and reports
+    cursors: npt.NDArray[np.int32]  # (shard, 2, 4) headers of commands and reports
     commands: FloatArray  # (shard, row, 6), see `coopenv.physics.motion.drive`
     reports: FloatArray  # (shard, row, 6), see `coopenv.physics.collect.collect`
 
@@ -62,7 +63,16 @@ class Memory(NamedTuple):
     def shard(self, number: int, size: int) -> "Memory":
         """The part of a shard, with axes as all have them."""
         worlds, shards = slice(number * size, (number + 1) * size), slice(number, number + 1)
-        return Memory(*(a[worlds] for a in self[:4]), *(a[shards] for a in self[4:]))
+        return Memory(
+            rows=self.rows[worlds],
+            table=self.table[worlds],
+            rooms=self.rooms[worlds],
+            expected=self.expected[worlds],
+            handles=self.handles[shards],
+            cursors=self.cursors[shards],
+            commands=self.commands[shards],
+            reports=self.reports[shards],
+        )
 
 
 @inlined

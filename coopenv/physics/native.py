@@ -2,7 +2,8 @@
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
+
+from coopenv.compiled import in_llvm
 
 STEP, EACH_BODY, SET_BODY, GET_BODY = range(4)  # entries of an array of addresses
 NUM_CALLS = 4
@@ -10,7 +11,7 @@ SPACE, COMMANDS, REPORTS = range(3)  # of what a space is known by: it, and what
 NUM_HANDLES = 3
 
 
-@intrinsic
+@in_llvm
 def step_space(typingctx, step, space, duration):
     """``cpSpaceStep(space, duration)``."""
     del typingctx
@@ -24,7 +25,7 @@ def step_space(typingctx, step, space, duration):
     return types.void(types.intp, types.intp, types.float64), generate
 
 
-@intrinsic
+@in_llvm
 def each_body(typingctx, each, space, function, data):
     """``cpSpaceEachBody(space, function, data)``."""
     del typingctx

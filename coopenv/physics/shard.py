@@ -1,6 +1,8 @@
 """Shard: worlds far apart in one pymunk space. The only file that imports pymunk.
 
-`pymunk.batch` is marked experimental upstream; everything used of it is here.
+`pymunk.batch` is marked experimental upstream; everything used of it is here. So is what stands
+behind it, without which each substep would ask for the interpreter's lock six times: functions of
+pymunk's library, by their addresses, and the two structures that they take.
 """
 
 import weakref
@@ -11,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pymunk
 import pymunk.batch as batch
+from pymunk._chipmunk import ffi, lib
 
 from coopenv.arrays import FloatArray, IntArray
 from coopenv.physics.advance import Memory
@@ -52,12 +55,12 @@ _REPORTS = (
 
 def calls() -> IntArray:
     """``(NUM_CALLS,)`` addresses of what `coopenv.physics.native` calls, in this process."""
-    found = [batch.ffi.addressof(batch.lib, _FUNCTIONS[number]) for number in range(NUM_CALLS)]
+    found = [ffi.addressof(lib, _FUNCTIONS[number]) for number in range(NUM_CALLS)]
     return np.array([_address(function) for function in found])
 
 
 def _address(of: Any) -> int:
-    return int(batch.ffi.cast("uintptr_t", of))
+    return int(ffi.cast("uintptr_t", of))
 
 
 class Shard:
@@ -99,7 +102,7 @@ class Shard:
             self._view(_COMMANDS, memory.commands[0], memory.cursors[0, 0]),
             self._view(_REPORTS, memory.reports[0], memory.cursors[0, 1]),
         ]
-        handles = (self.space._space, *self._views)
+        handles = (self.space._space, *(view for view, *_ in self._views))
         memory.handles[0] = [_address(handle) for handle in handles]
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
@@ -172,18 +175,19 @@ class Shard:
 
     def _view(
         self, names: batch.BodyFields, array: FloatArray, header: npt.NDArray[np.int32]
-    ) -> Any:
-        """What pymunk takes for an array that it reads or writes; it lives as long as it is kept.
+    ) -> tuple[Any, ...]:
+        """What pymunk takes for an array that it reads or writes, and what has to live as long.
 
         Its header is in memory that kernels reach: the first number of it is how much of the array
         was read or written.
         """
-        floats = batch.ffi.cast("pmFloatArray *", batch.ffi.from_buffer(header))
-        floats.arr = batch.ffi.cast("cpFloat *", batch.ffi.from_buffer(array))
+        floats = ffi.cast("pmFloatArray *", ffi.from_buffer(header))
+        floats.arr = ffi.cast("cpFloat *", ffi.from_buffer(array))
         floats.num, floats.max = 0, array.size
-        view = batch.ffi.new("pmBatchedData *")
-        view.fields, view.floatArray, view.intArray = names.value, floats, self._names._int_arr
-        return view
+        none = ffi.new("pmIntArray *")
+        view = ffi.new("pmBatchedData *")
+        view.fields, view.floatArray, view.intArray = names.value, floats, none
+        return view, none, array, header
 
     def _find_rows(self) -> None:
         """Note the row of each world in pymunk's order, which changes when a body is replaced."""

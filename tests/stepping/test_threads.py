@@ -21,6 +21,7 @@ def test_one_thread_and_many_give_the_same_bits(view, action):
     one, many = (Transport(num_worlds=COUNT, config=config, threads=n) for n in (1, 3))
     assert_same(one.reset(seed=0), many.reset(seed=0))
     for given in actions(0, 12, *one.action_shape):
+        assert one.transition is not None
         again = one.transition.truncated | one.transition.terminated
         assert_same(one.step(given, restart=again), many.step(given, restart=again))
 

@@ -18,12 +18,11 @@ from numba.core.typing.templates import AbstractTemplate, signature
 from numba.extending import lower_builtin
 from numba.np.numpy_support import carray
 
-from coopenv.compiled import fused
+from coopenv.compiled import fused, in_llvm
 from coopenv.compiled.lanes.vectors import (
     LANES,
     VECTOR,
     declared,
-    in_llvm,
     lanes,
     new_type,
 )

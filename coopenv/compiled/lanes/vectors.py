@@ -13,9 +13,9 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
+from numba.extending import lower_builtin, lower_cast, models, register_model
 
-from coopenv.compiled import fused_inlined
+from coopenv.compiled import fused_inlined, in_llvm
 
 LANES = 4
 FLAGS = ("contract",)  # a product and a sum may become one instruction
@@ -38,14 +38,6 @@ def new_type(name: str, represented: ir.Type) -> Any:
     kind: Any = type(name, (types.Type,), {"__init__": begin})
     register_model(kind)(type(name, (models.PrimitiveModel,), {"__init__": layout}))
     return kind()
-
-
-def in_llvm(function: Callable[..., Any]) -> Any:
-    """Make a function of compiled code whose body is in LLVM's terms.
-
-    Its first parameter comes from numba, the others from the caller: no type checker can know.
-    """
-    return intrinsic(function)
 
 
 lanes = new_type("Lanes", VECTOR)

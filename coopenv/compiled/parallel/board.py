@@ -1,9 +1,9 @@
 """The board: where threads find work, and how compiled code reads and changes it.
 
-It has one job at a time, in parts. Its ticket says which job, in the upper half, and in two quarters
-from which part to before which nobody has taken them yet: who takes one off an end and finds the
-ticket as it was has that part, and as long as a part is not done the job stays. So nobody works on
-a job with another's arguments.
+It has one job at a time, in parts. Its ticket says which job, in the upper half, and in a quarter
+each the first part that nobody has taken and the first behind those: who takes one off an end and
+finds the ticket as it was has that part, and as long as a part is not done the job stays. So nobody
+works on a job with another's arguments.
 
 Who put the job there takes parts from the front, helpers from the back. So a part is done mostly by
 the thread that did it in the last job, in whose cache its rows still are.
@@ -12,7 +12,8 @@ the thread that did it in the last job, in whose cache its rows still are.
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
+
+from coopenv.compiled.kinds import in_llvm
 
 _WORD = 8  # [bytes]
 _LINE = 16  # words: what one thread writes often lies in lines of its own
@@ -37,7 +38,7 @@ def _place(context, builder, board, offset):
     return builder.inttoptr(at, ir.IntType(64).as_pointer())
 
 
-@intrinsic
+@in_llvm
 def read(typingctx, board, offset):
     """The word at ``offset`` of the board at an address, as all threads see it."""
     del typingctx
@@ -49,7 +50,7 @@ def read(typingctx, board, offset):
     return types.intp(types.intp, types.intp), generate
 
 
-@intrinsic
+@in_llvm
 def write(typingctx, board, offset, value):
     """Write a word, so that whoever sees it sees also what was written before."""
     del typingctx
@@ -64,7 +65,7 @@ def write(typingctx, board, offset, value):
     return types.void(types.intp, types.intp, types.intp), generate
 
 
-@intrinsic
+@in_llvm
 def add(typingctx, board, offset, value):
     """Add to a word; what it was before."""
     del typingctx
@@ -77,7 +78,7 @@ def add(typingctx, board, offset, value):
     return types.intp(types.intp, types.intp, types.intp), generate
 
 
-@intrinsic
+@in_llvm
 def exchanged(typingctx, board, offset, expected, value):
     """Whether a word was as ``expected``, and has become ``value``."""
     del typingctx

@@ -3,9 +3,8 @@
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
 
-from coopenv.compiled.kinds import compiled, inlined
+from coopenv.compiled.kinds import compiled, in_llvm, inlined
 from coopenv.compiled.parallel.board import (
     ARGUMENTS,
     COUNT,
@@ -24,7 +23,7 @@ from coopenv.compiled.parallel.board import (
 )
 
 
-@intrinsic
+@in_llvm
 def _as_task(typingctx, kernel, arguments):
     """Addresses of a task that calls ``kernel(start, stop, *arguments)``, and of the arguments.
 
@@ -55,7 +54,7 @@ def _as_task(typingctx, kernel, arguments):
     return types.UniTuple(types.intp, 2)(kernel, arguments), generate
 
 
-@intrinsic
+@in_llvm
 def _call(typingctx, task, arguments, start, stop):
     """Call what `_as_task` made, for rows from ``start`` to before ``stop``."""
     del typingctx

@@ -10,7 +10,6 @@ from coopenv.compiled.lanes.memory import four_at
 from coopenv.compiled.lanes.vectors import LANES
 from coopenv.geometry.frames import rotated_back
 from coopenv.physics.coefficients import HEAVY
-from coopenv.physics.collect import collect
 from coopenv.physics.compliance.bearing import ROUNDS, borne_on, unborne
 from coopenv.physics.compliance.block import (
     AGENT_FIELDS,
