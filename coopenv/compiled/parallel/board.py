@@ -16,11 +16,11 @@ from numba import types
 from coopenv.compiled.kinds import in_llvm
 
 _WORD = 8  # [bytes]
-_LINE = 16  # words: what one thread writes often lies in lines of its own
+LINE = 16  # words: what one thread writes often lies in lines of its own
 TICKET, DONE, OWNER, AWAKE, CLOSED, TASK, ARGUMENTS, COUNT, PARTS = (
-    _LINE * number for number in range(9)
+    LINE * number for number in range(9)
 )
-_SIZE = _LINE * 9
+_SIZE = LINE * 9
 JOB_BITS = 32  # where the number of a job begins in a ticket
 END_BITS = 16  # of a ticket: the first part that is left, and before which they end
 MOST_PARTS = 2**END_BITS - 1

@@ -5,10 +5,30 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
-from threading import Lock, Thread, local
+from threading import Thread, local
+
+import numpy as np
 
 from coopenv.compiled.kinds import compiled
-from coopenv.compiled.parallel.board import AWAKE, CLOSED, MOST_PARTS, add, new_board, read, write
+from coopenv.compiled.parallel.board import (
+    AWAKE,
+    CLOSED,
+    LINE,
+    MOST_PARTS,
+    add,
+    exchanged,
+    new_board,
+    read,
+    write,
+)
+from coopenv.compiled.parallel.gates import (
+    ACQUIRE,
+    RELEASE,
+    functions,
+    new_gate,
+    open_gate,
+    pass_through,
+)
 from coopenv.compiled.parallel.spread import take_part
 
 _PATIENCE = 200_000  # looks at an empty board before a thread sleeps
@@ -29,13 +49,13 @@ class Crew:
     """
 
     def __init__(self, helpers: int):
-        self._board = new_board()
-        self.helpers = helpers
+        self._board, self.helpers = new_board(), helpers
         self.board = self._board.ctypes.data if helpers else 0
-        self._gates = [Lock() for _ in range(helpers)]
-        for gate in self._gates:
-            gate.acquire()
-            Thread(target=self._help, args=(gate,), name="coopenv", daemon=True).start()
+        self._functions = functions()
+        self._gates = np.array([new_gate() for _ in range(helpers)], dtype=np.int64)
+        self._sleeps = np.zeros(helpers * LINE, dtype=np.int64)
+        for number in range(helpers):
+            Thread(target=self._help, args=(number,), name="coopenv", daemon=True).start()
 
     @property
     def awake(self) -> int:
@@ -45,39 +65,44 @@ class Crew:
     def wake(self) -> None:
         """Let all helpers look for work; at most a microsecond where they do."""
         if self._board[AWAKE] < self.helpers:
-            for gate in self._gates:
-                if gate.locked():
-                    try:
-                        gate.release()
-                    except RuntimeError:  # another thread was quicker
-                        continue
+            _wake(self._functions[RELEASE], self._gates, self._sleeps.ctypes.data)
 
     def close(self) -> None:
         """Let all helpers end, before what they run goes."""
-        write_closed(self.board)
-        self.wake()
+        if self.helpers:
+            _close(self.board)
+            self.wake()
 
-    def _help(self, gate: Lock) -> None:
-        while not self._board[CLOSED]:
-            gate.acquire()
-            serve(self.board, _PATIENCE)
-
-
-@compiled
-def serve(board, patience):
-    """Take parts until ``patience`` looks found none."""
-    add(board, AWAKE, 1)
-    looks = 0
-    while looks < patience and read(board, CLOSED) == 0:
-        looks = 0 if take_part(board, False) else looks + 1
-    add(board, AWAKE, -1)
+    def _help(self, number: int) -> None:
+        sleeps = self._sleeps[LINE * number :].ctypes.data
+        _serve(self.board, self._functions[ACQUIRE], self._gates[number], sleeps, _PATIENCE)
 
 
 @compiled
-def write_closed(board):
-    """Tell all who serve that the board is closed."""
-    if board != 0:
-        write(board, CLOSED, 1)
+def _serve(board, acquire, gate, sleeps, patience):
+    """Take parts until the board is closed; sleep where ``patience`` looks found none."""
+    while read(board, CLOSED) == 0:
+        add(board, AWAKE, 1)
+        looks = 0
+        while looks < patience and read(board, CLOSED) == 0:
+            looks = 0 if take_part(board, False) else looks + 1
+        add(board, AWAKE, -1)
+        write(sleeps, 0, 1)
+        if read(board, CLOSED) == 0:  # looked at after what `Crew.close` looks at was written
+            pass_through(acquire, gate)
+
+
+@compiled
+def _wake(release, gates, sleeps):
+    """Open the gates of all who sleep, each once."""
+    for number in range(len(gates)):
+        if exchanged(sleeps, LINE * number, 1, 0):
+            open_gate(release, gates[number])
+
+
+@compiled
+def _close(board):
+    write(board, CLOSED, 1)
 
 
 @cache

@@ -1,5 +1,7 @@
 """Spread: a kernel's work in parts, for whoever is there to take them."""
 
+from typing import Any
+
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -45,13 +47,32 @@ def _as_task(typingctx, kernel, arguments):
         task.linkage = "internal"
         inside = ir.IRBuilder(task.append_basic_block("entry"))
         loaded = inside.load(inside.bitcast(task.args[0], kept.type))
-        given = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, loaded)]
+        lent = _lent(context, inside, arguments, loaded)
+        given = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, lent)]
         context.call_internal_no_propagate(inside, compiled_kernel.fndesc, inner, given)
         inside.ret_void()
         addresses = builder.ptrtoint(task, word), builder.ptrtoint(kept, word)
         return context.make_tuple(builder, types.UniTuple(types.intp, 2), addresses)
 
     return types.UniTuple(types.intp, 2)(kernel, arguments), generate
+
+
+def _lent(context, builder, kind, value):
+    """A value whose arrays nobody counts references to.
+
+    Threads that count those of one array wait for each other at every view that they make of it.
+    Whoever put the job on the board keeps the arrays until it is done.
+    """
+    if isinstance(kind, types.BaseTuple):
+        kinds: Any = kind  # it can be gone through
+        parts = zip(kinds, cgutils.unpack_tuple(builder, value), strict=True)
+        lent = [_lent(context, builder, one, part) for one, part in parts]
+        return context.make_tuple(builder, kind, lent)
+    if not isinstance(kind, types.Array):
+        return value
+    array = context.make_array(kind)(context, builder, value)
+    array.meminfo = cgutils.get_null_value(array.meminfo.type)
+    return array._getvalue()
 
 
 @in_llvm
@@ -108,10 +129,10 @@ def spread(board, parts, count, kernel, arguments):
     arguments
         Tuple.
     """
-    if board == 0 or parts <= 1 or not exchanged(board, OWNER, 0, 1):
-        kernel(0, count, *arguments)
-        return
     task, kept = _as_task(kernel, arguments)
+    if board == 0 or parts <= 1 or not exchanged(board, OWNER, 0, 1):
+        _call(task, kept, 0, count)
+        return
     write(board, TASK, task)
     write(board, ARGUMENTS, kept)
     write(board, COUNT, count)

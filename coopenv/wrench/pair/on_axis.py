@@ -22,6 +22,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import TINY, compiled, gufunc
+from coopenv.compiled.parallel import sharing, spread
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.measures import INCLUDE_INDUCED, TORQUE_WEIGHT, cost_weights
 from coopenv.wrench.pair.bracketed_root import root_of
@@ -42,6 +43,7 @@ from coopenv.wrench.pair.lens import (
 )
 from coopenv.wrench.settings import Settings
 
+WORTH_SHARING = 128  # samples, which another thread takes longer for than to take them
 ON_AXIS = 1e-12  # distance from the line that counts as rounding, relative to the longest lever
 COINCIDENT = 1e-15  # distance from grip to grip that does: grips are known to some 4e-16
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
@@ -61,7 +63,12 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     weights = cost_weights(settings.torque_weight, settings.include_induced)
 
     def solve(applied: FloatArray) -> Answer:
-        return Answer(decompose_on_axis(applied, axis, weights))
+        board, parts = sharing(len(applied) // WORTH_SHARING if applied.ndim == 3 else 0)
+        if parts == 1:
+            return Answer(decompose_on_axis(applied, axis, weights))
+        axes, manipulation = np.broadcast_to(axis, (len(applied), 4)), np.empty_like(applied)
+        _decompose_all(board, parts, applied, axes, weights, manipulation)
+        return Answer(manipulation)
 
     return solve
 
@@ -243,13 +250,32 @@ def _solve(forces, torques, a1, a2, w, induced):
     return heron_in_lens(v, forces), v, remainder(applied_torque, lever * v)
 
 
+@compiled
+def _decompose(applied, axis, weights, manipulation):
+    """Write the manipulation wrench of one sample; see `decompose_on_axis`."""
+    forces, torques, scale = in_frame(applied, axis)
+    w, induced = weights[TORQUE_WEIGHT], weights[INCLUDE_INDUCED]
+    u, v, torque = _solve(forces, torques, axis[FIRST], axis[SECOND], w, induced)
+    write(applied, axis, u, v, torques, torque, scale, manipulation)
+
+
 @gufunc("(n,k),(a),(p)->(n,k)", "void(float64[:,:], float64[:], float64[:], float64[:,:])")
 def decompose_on_axis(applied, axis, weights, manipulation):
     """Write the manipulation wrench of one sample.
 
     ``axis`` is what `frame` says of the grips, ``weights`` are those of `cost_weights`.
     """
-    forces, torques, scale = in_frame(applied, axis)
-    w, induced = weights[TORQUE_WEIGHT], weights[INCLUDE_INDUCED]
-    u, v, torque = _solve(forces, torques, axis[FIRST], axis[SECOND], w, induced)
-    write(applied, axis, u, v, torques, torque, scale, manipulation)
+    _decompose(applied, axis, weights, manipulation)
+
+
+@compiled
+def _decompose_part(start, stop, applied, axis, weights, manipulation):
+    for k in range(start, stop):
+        _decompose(applied[k], axis[k], weights, manipulation[k])
+
+
+@compiled
+def _decompose_all(board, parts, applied, axis, weights, manipulation):
+    """`decompose_on_axis` of a batch along one axis, `spread`."""
+    arguments = (applied, axis, weights, manipulation)
+    spread(board, parts, len(applied), _decompose_part, arguments)
