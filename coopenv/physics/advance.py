@@ -145,6 +145,14 @@ def _hold_shards(start, stop, calls, memory, begin, hands, reached, lost, size, 
         _average(around, dt)
 
 
+@inlined
+def _first_lost(lost, size):
+    for s in range(len(lost)):
+        if lost[s] >= 0:
+            return s * size + lost[s]
+    return -1
+
+
 @compiled
 def step_shards(board, parts, calls, memory, begin, wrench, reached, lost, size, dt, substeps):
     """Advance all shards by a control step of ``dt`` [s] under a held wrench.
@@ -170,9 +178,14 @@ def step_shards(board, parts, calls, memory, begin, wrench, reached, lost, size,
         Worlds of a shard.
     dt, substeps
         Of a control step [s], and how often pymunk steps in it.
+
+    Returns
+    -------
+    The first world that left its room, or −1.
     """
     arguments = (calls, memory, begin, wrench, reached, lost, size, dt, substeps)
     spread(board, parts, len(lost), _step_shards, arguments)
+    return _first_lost(lost, size)
 
 
 @compiled
@@ -180,3 +193,4 @@ def hold_shards(board, parts, calls, memory, begin, hands, reached, lost, size, 
     """`step_shards` under what hands give: the fields of a `coopenv.physics.compliance.Hold`."""
     arguments = (calls, memory, begin, hands, reached, lost, size, dt, substeps)
     spread(board, parts, len(lost), _hold_shards, arguments)
+    return _first_lost(lost, size)

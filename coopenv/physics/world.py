@@ -196,7 +196,7 @@ class World:
         self._advance(hold_shards, tuple(hands))
 
     def _advance(
-        self, kernel: Callable[..., None], under: FloatArray | tuple[FloatArray, ...]
+        self, kernel: Callable[..., int], under: FloatArray | tuple[FloatArray, ...]
     ) -> None:
         """Step every shard ``under`` what its worlds are moved by, one row a world."""
         begin = self.pose, self.twist
@@ -205,22 +205,17 @@ class World:
         self.contact_shift = np.zeros(self.num_worlds)
         self.given = np.zeros((self.num_worlds, NUM_GIVEN))
         reached = self.pose, self.twist, self.contact_impulse, self.contact_shift, self.given
-        kernel(
+        lost = kernel(
             *sharing(len(self._shards)), *self._moved, begin, under, reached, self._lost,
             self._size, self._dt, self.substeps,
         )  # fmt: skip
-        if (self._lost >= 0).any():
-            self._tell_lost()
-
-    def _tell_lost(self) -> None:
-        shard = int(np.argmax(self._lost >= 0))
-        world = shard * SHARD_SIZE + int(self._lost[shard])
-        x, y = self.pose[world, :2]
-        raise BodyLost(
-            f"the body of world {world} must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond "
-            "the walls; use more substeps, a heavier body, more drag or weaker agents",
-            world,
-        )
+        if lost >= 0:
+            x, y = self.pose[lost, :2]
+            raise BodyLost(
+                f"the body of world {lost} must stay in its room, got ({x:.1f}, {y:.1f}) m, beyond "
+                "the walls; use more substeps, a heavier body, more drag or weaker agents",
+                lost,
+            )
 
 
 def _walls(scene: Scene) -> tuple[tuple[float, float], float]:
