@@ -104,22 +104,27 @@ def wrenches_from_actions(
     -------
     ``(clipped, applied)``: ``(world, agent, a)`` and ``(world, agent, 3)``.
     """
-    clipped, applied = np.empty(action.shape), np.zeros((*action.shape[:2], 3))
+    clipped, applied = np.empty(action.shape), np.empty((*action.shape[:2], 3))
     _write_wrenches(action, frame, limit, clipped, applied)
     return clipped, applied
 
 
 @compiled
 def _write_wrenches(action, frame, limit, clipped, applied):
-    num_worlds, num_agents, width = action.shape
-    for k in range(num_worlds):
-        for i in range(num_agents):
-            for j in range(width):
-                clipped[k, i, j] = min(max(action[k, i, j], -1.0), 1.0)
-            x, y = limit[k, i, 0] * clipped[k, i, 0], limit[k, i, 0] * clipped[k, i, 1]
-            applied[k, i, 0], applied[k, i, 1] = rotated(frame[k, i, 0], frame[k, i, 1], x, y)
-            if width == 3:
-                applied[k, i, 2] = limit[k, i, 1] * clipped[k, i, 2]
+    for k in range(len(action)):
+        write_wrench(action, frame, limit, k, clipped, applied)
+
+
+@inlined
+def write_wrench(action, frame, limit, k, clipped, applied):
+    """`wrenches_from_actions` of one world."""
+    _, num_agents, width = action.shape
+    for i in range(num_agents):
+        for j in range(width):
+            clipped[k, i, j] = min(max(action[k, i, j], -1.0), 1.0)
+        x, y = limit[k, i, 0] * clipped[k, i, 0], limit[k, i, 0] * clipped[k, i, 1]
+        applied[k, i, 0], applied[k, i, 1] = rotated(frame[k, i, 0], frame[k, i, 1], x, y)
+        applied[k, i, 2] = limit[k, i, 1] * clipped[k, i, 2] if width == 3 else 0.0
 
 
 @inlined

@@ -6,9 +6,10 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.compiled import compiled
+from coopenv.compiled.parallel import sharing, spread
 from coopenv.conditions import Team
 from coopenv.config import TransportConfig
-from coopenv.geometry.frames import moved, rotated, wrenches_from_actions
+from coopenv.geometry.frames import moved, rotated, write_wrench
 from coopenv.physics.compliance import Hold
 from coopenv.physics.hands import (
     DAMPING,
@@ -19,7 +20,9 @@ from coopenv.physics.hands import (
     TURN_RATE,
 )
 from coopenv.physics.world import World
-from coopenv.wrench.grasp import sum_at_centre
+from coopenv.wrench.grasp import write_sum
+
+WORTH_SHARING = 256  # worlds, whose actions take longer to read than another thread to wake
 
 
 class Given(NamedTuple):
@@ -43,8 +46,13 @@ class HeldWrenches:
 
     def move(self, world: World, action: FloatArray, team: Team) -> Given:
         """Step ``world`` under all agents' finite actions ``(world, agent, a)``."""
-        clipped, applied = wrenches_from_actions(action, team.frame, team.limits)
-        world.step(sum_at_centre(applied, team.grips))
+        clipped, applied = np.empty(action.shape), np.empty((*action.shape[:2], 3))
+        wrench = np.empty((len(action), 3))
+        _give(
+            *sharing(len(action) // WORTH_SHARING), action, team.frame, team.limits, team.grips,
+            clipped, applied, wrench,
+        )  # fmt: skip
+        world.step(wrench)
         return Given(clipped, applied)
 
     def get_state(self, worlds: IntArray) -> dict[str, Any]:
@@ -132,6 +140,23 @@ def handling_of(config: TransportConfig, num_worlds: int, has_hand: BoolArray) -
     ``has_hand`` ``(agent,)`` says who has a hand if any are there; others' actions are wrenches.
     """
     return HeldWrenches() if config.hands is None else CompliantHands(config, num_worlds, has_hand)
+
+
+@compiled
+def _give_part(start, stop, action, frame, limits, grips, clipped, applied, wrench):
+    for k in range(start, stop):
+        write_wrench(action, frame, limits, k, clipped, applied)
+        write_sum(applied[k], grips[k], wrench[k])
+
+
+@compiled
+def _give(board, parts, action, frame, limits, grips, clipped, applied, wrench):
+    """Write clipped actions, the wrenches that they are, and what these come to together.
+
+    The last is ``(world, 3)``, at the centre of mass; all are in the object frame.
+    """
+    arguments = (action, frame, limits, grips, clipped, applied, wrench)
+    spread(board, parts, len(action), _give_part, arguments)
 
 
 @compiled

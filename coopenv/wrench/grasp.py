@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import FloatArray, finite_array
-from coopenv.compiled import gufunc
+from coopenv.compiled import gufunc, inlined
 from coopenv.errors import InvalidInput
 
 
@@ -153,9 +153,9 @@ def wrench_size(dimension: int) -> int:
     return 3 if dimension == 2 else 6
 
 
-@gufunc("(n,k),(n,d)->(k)", "void(float64[:,:], float64[:,:], float64[:])")
-def sum_at_centre(applied, grips, resultant):
-    """Sum the effectors' wrenches at the centre of mass."""
+@inlined
+def write_sum(applied, grips, resultant):
+    """Sum one sample's wrenches at the centre of mass."""
     num_effectors, size = applied.shape
     for k in range(size):
         resultant[k] = 0.0
@@ -170,3 +170,9 @@ def sum_at_centre(applied, grips, resultant):
             resultant[3] += y * applied[i, 2] - z * applied[i, 1]
             resultant[4] += z * applied[i, 0] - x * applied[i, 2]
             resultant[5] += x * applied[i, 1] - y * applied[i, 0]
+
+
+@gufunc("(n,k),(n,d)->(k)", "void(float64[:,:], float64[:,:], float64[:])")
+def sum_at_centre(applied, grips, resultant):
+    """Sum the effectors' wrenches at the centre of mass."""
+    write_sum(applied, grips, resultant)
