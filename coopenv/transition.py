@@ -9,6 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.conditions import Conditions, Team
 from coopenv.geometry import frames
+from coopenv.measured import SHARES, measured
 from coopenv.physics.surroundings import acting
 from coopenv.power import Power, power_over
 from coopenv.wrench import Decomposition, LoadShare, Settings
@@ -63,6 +64,9 @@ class Transition:
         init=False, default_factory=dict, repr=False
     )
     _own: list[Decomposition] = field(init=False, default_factory=list, repr=False)
+    _measured: list[tuple[FloatArray, BoolArray]] = field(
+        init=False, default_factory=list, repr=False
+    )
     _shares: list[ShareOrEven] = field(init=False, default_factory=list, repr=False)
     _power: list[Power] = field(init=False, default_factory=list, repr=False)
 
@@ -104,11 +108,13 @@ class Transition:
         slowly.
         """
         made = object.__new__(cls)
-        made.__dict__.update(entries, _decompositions={}, _own=[], _shares=[], _power=[])
+        entries.update(_decompositions={}, _own=[], _measured=[], _shares=[], _power=[])
+        object.__setattr__(made, "__dict__", entries)
         return made
 
     def __getstate__(self) -> dict[str, Any]:
-        computed = {"_decompositions": {}, "_own": [], "_shares": [], "_power": []}
+        computed: dict[str, Any] = {"_decompositions": {}}
+        computed |= {name: [] for name in ("_own", "_measured", "_shares", "_power")}
         return {**self.__dict__, **computed}  # what is computed when asked for is computed again
 
     @property
@@ -121,7 +127,27 @@ class Transition:
         """Decomposition of ``applied`` under the environment's settings."""
         if not self._own:
             self._own.append(self._decomposed(None, self.team.settings))
+            self._measure(self._own[0])
         return self._own[0]
+
+    @property
+    def measures(self) -> FloatArray:
+        """Levels of `decomposition`, then `share_or_even`, ``(world, 6 + 2 agents)``.
+
+        The columns are those of `coopenv.measured.measured`.
+        """
+        decomposition = self.decomposition
+        if not self._measured:
+            self._measure(decomposition)
+        return self._measured[0][0]
+
+    def _measure(self, decomposition: Decomposition) -> None:
+        """Compute levels and shares together: who asks for one will want the other."""
+        team = self.team
+        grips = decomposition.grips if team.settings.surroundings else team.grips
+        found = measured(decomposition, grips, self.applied.shape[1])
+        decomposition.take_levels(found[0][:, :SHARES])
+        self._measured.append(found)
 
     def decompose(self, settings: Settings) -> Decomposition:
         """Decomposition of ``applied`` under other settings; computed once a step for each."""
@@ -159,7 +185,15 @@ class Transition:
     def share_or_even(self) -> ShareOrEven:
         """`load_share` with 1/n in place of NaN, and whether shares are defined."""
         if not self._shares:
-            self._shares.append(share_or_even(self.applied, self.team.decomposer().grips))
+            if self._measured:
+                rows, defined = self._measured[0]
+                force, torque = np.split(rows[:, SHARES:], 2, axis=1)
+                found = ShareOrEven(
+                    force.copy(), defined[:, 0].copy(), torque.copy(), defined[:, 1].copy()
+                )
+            else:
+                found = share_or_even(self.applied, self.team.decomposer().grips)
+            self._shares.append(found)
         return self._shares[0]
 
     @property

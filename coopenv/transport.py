@@ -9,7 +9,7 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray, booleans
 from coopenv.compiled.parallel import shared
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, ResetNeeded
-from coopenv.info import Info, copied
+from coopenv.info import Info, copied, copied_when_read
 from coopenv.physics.threads import in_use, one_thread_at_a_time
 from coopenv.resets import Seed, all_or_nothing, check_free, given_pose, marked_worlds, seed_worlds
 from coopenv.snapshot import VERSION, Snapshot, chosen_worlds, fitting
@@ -242,7 +242,7 @@ class Transport(SteppedWorlds):
             If another thread steps or resets the core.
         """
         obs, reward, terminated, truncated, info = self.advance(action, restart=restart)
-        return obs.copy(), reward, terminated.copy(), truncated.copy(), copied(info)
+        return obs.copy(), reward, terminated.copy(), truncated.copy(), copied_when_read(info)
 
     def advance(
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None

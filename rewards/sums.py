@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import inf
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from coopenv.compiled.checks import is_finite
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.info import Info
 from coopenv.transition import Transition
+
+from .together import Together
 
 
 class Term(Protocol):
@@ -64,6 +66,20 @@ class RewardSum(Mapping[str, Term]):
                     "build it from coopenv.rewards, or name a preset"
                 )
         self._terms = dict(terms)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Part the terms into the first ones, which are written together, and the others."""
+        self._together = Together(self._terms)
+        self._others = list(self._terms.items())[len(self._together.names) :]
+
+    def __getstate__(self) -> dict[str, Any]:
+        arranged = ("_together", "_others")
+        return {name: value for name, value in vars(self).items() if name not in arranged}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._arrange()
 
     def __call__(
         self, transition: Transition, *, what: str = "reward"
@@ -75,16 +91,26 @@ class RewardSum(Mapping[str, Term]):
         InvalidInput
             If a term returns another shape or something that is not finite, or the sum is not.
         """
-        shape = transition.applied.shape[:2]
-        total, parts = np.zeros(shape), {}
-        for name, term in self._terms.items():
-            parts[name] = part = term(transition)
+        found = self._together(transition) if self._together.names else None
+        if found is not None:
+            total, parts, finite = found
+            if finite and not self._others:
+                return total, parts
+            others = self._others
+        else:
+            total, parts = np.zeros(transition.applied.shape[:2]), {}
+            others = self._terms.items()
+        shape = total.shape
+        for name, term in others:
+            part = term(transition)
             if getattr(part, "shape", None) != shape:
                 raise InvalidInput(
                     f"{what} {name!r} must return an array (world, agent) = {shape}, got "
                     f"shape {np.shape(part)}; transition.per_agent repeats one value a world"
                 )
             total += part
+            # Infos are read later, when a term of the user's may have written to its array again.
+            parts[name] = np.array(part)
         if not is_finite(total):
             check_finite(parts, what=what)
             check_finite(parts, at_most=LARGEST, what=what)  # finite, but their sum is not

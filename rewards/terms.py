@@ -76,7 +76,7 @@ class InternalForce:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        internal = transition.of_agents(_decomposition(transition, self.settings).internal)
+        internal = transition.of_agents(decomposed(transition, self).internal)
         return -self.weight * np.hypot(internal[..., 0], internal[..., 1])
 
 
@@ -96,7 +96,7 @@ class InternalTorque:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        internal = transition.of_agents(_decomposition(transition, self.settings).internal)
+        internal = transition.of_agents(decomposed(transition, self).internal)
         torque = moment(transition.team.grips, internal)[..., 0] + internal[..., 2]
         return -self.weight * np.abs(torque)
 
@@ -118,7 +118,7 @@ class RelativeCost:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        decomposition = _decomposition(transition, self.settings)
+        decomposition = decomposed(transition, self)
         return transition.per_agent(decomposition.relative_cost, -self.weight)
 
 
@@ -142,7 +142,7 @@ class WastedCost:
 
     def __call__(self, transition: Transition) -> FloatArray:
         """Reward ``(world, agent)``."""
-        decomposition = _decomposition(transition, self.settings)
+        decomposition = decomposed(transition, self)
         return transition.per_agent(decomposition.wasted_cost, -self.weight / self.scale)
 
 
@@ -251,8 +251,11 @@ class TrackingError:
         return transition.per_agent(transition.next_state.distance, -self.weight * transition.dt)
 
 
-def _decomposition(transition: Transition, settings: Settings | None) -> Decomposition:
-    """That of the environment, or another one that the term asks for."""
+def decomposed(
+    transition: Transition, term: InternalForce | InternalTorque | RelativeCost | WastedCost
+) -> Decomposition:
+    """The environment's decomposition, or another one that the term asks for."""
+    settings = term.settings
     return transition.decomposition if settings is None else transition.decompose(settings)
 
 

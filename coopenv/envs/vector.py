@@ -23,7 +23,7 @@ from coopenv.envs.common import (
 )
 from coopenv.envs.spec import Specified
 from coopenv.errors import UnknownName
-from coopenv.info import Info, is_of_learners, means
+from coopenv.info import Info, means, of_vector
 from coopenv.snapshot import Snapshot
 from coopenv.transport import Seed, Transport
 
@@ -169,17 +169,10 @@ class TransportVectorEnv(Specified, gymnasium.vector.VectorEnv):  # pyright: ign
         return obs.reshape(self.num_envs, -1)
 
     def _vector_info(self, info: Info, *, present: BoolArray | None = None) -> Info:
-        """Reward and cost averaged over the team, and Gymnasium's ``_key`` mask beside each key.
-
-        ``present`` marks the worlds that the info is of; ``None``: all.
-        """
+        """See `of_vector`; ``present`` marks the worlds that the info is of, ``None``: all."""
         if present is None:
             present = np.ones(self.num_envs, dtype=np.bool_)
-        masked = Info()
-        for name, value in info.items():
-            masked[name] = means(value) if is_of_learners(name) else value
-            masked[f"_{name}"] = present.copy()
-        return masked
+        return of_vector(info, present)
 
     def _final(self, obs: npt.NDArray[np.float32], info: Info, done: BoolArray) -> dict[str, Any]:
         last = np.full(self.num_envs, None, dtype=object)

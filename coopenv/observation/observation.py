@@ -15,7 +15,7 @@ from coopenv.observation.blocks import BLOCKS, DEFAULT_BLOCKS
 from coopenv.observation.bounds import Bounds, clip
 from coopenv.observation.ranges import RangeReading, ranges
 from coopenv.observation.sensor import Instruments, Sensor
-from coopenv.observation.view import VIEW, agent_view, view_slices
+from coopenv.observation.view import DECOMPOSED, VIEW_PARTS, write_view
 from coopenv.transition import Transition
 
 Entry: TypeAlias = str | Block | Sensor
@@ -71,15 +71,18 @@ class Observation:
         self.low = np.concatenate([low for low, _ in ends]).astype(np.float32)
         self.high = np.concatenate([high for _, high in ends]).astype(np.float32)
         self._is_clipped = bounds is not None
-        self._chosen = chosen
-        self._copies = _copies(chosen, self.blocks, view_slices(num_agents))
+        self._read = [(block, self.blocks[block.name]) for block in chosen if block.read]
+        seen = {block.name for block in chosen if not block.read}  # in the agents' view
+        self._begin = np.array(
+            [self.blocks[name].start if name in seen else -1 for name in VIEW_PARTS]
+        )
+        self._is_view_seen, self._is_decomposed = bool(seen), not seen.isdisjoint(DECOMPOSED)
         self._all_worlds = np.arange(num_worlds)
         self._instruments = {
             block.name: Instruments(entry, block, num_agents, num_worlds)
             for block, entry in zip(chosen, blocks, strict=True)
             if isinstance(entry, Sensor)
         }
-        self._is_whole_view = chosen == list(VIEW) and not self._instruments
 
     def __call__(
         self, transition: Transition, worlds: IntArray | None = None, keys: Keys | None = None
@@ -105,15 +108,12 @@ class Observation:
     def _seen(
         self, transition: Transition, worlds: IntArray | None, keys: Keys | None
     ) -> npt.NDArray[np.float32]:
-        view = agent_view(transition)
-        if self._is_whole_view:
-            return view
-        seen = np.empty((*view.shape[:2], self.size), dtype=np.float32)
-        for where, source in self._copies:
-            seen[..., where] = view[..., source]
-        for block, where in zip(self._chosen, self.blocks.values(), strict=True):
-            if block.read is not None:
-                seen[..., where] = _checked(block.read(transition), seen[..., where].shape, block)
+        seen = np.empty((*transition.applied.shape[:2], self.size), dtype=np.float32)
+        if self._is_view_seen:
+            write_view(transition, self._begin, self._is_decomposed, seen)
+        for block, where in self._read:
+            assert block.read is not None
+            seen[..., where] = _checked(block.read(transition), seen[..., where].shape, block)
         for name, instruments in self._instruments.items():
             where = self.blocks[name]
             truth = np.ascontiguousarray(seen[..., where])
@@ -129,21 +129,6 @@ class Observation:
         """Go on in ``worlds`` from what `get_state` returned."""
         for name, each in self._instruments.items():
             each.set_state(state[name], worlds)
-
-
-def _copies(
-    chosen: Sequence[Block], blocks: Mapping[str, slice], view: Mapping[str, slice]
-) -> list[tuple[slice, slice]]:
-    """Slices to copy from the agents' view, (to, from); neighbours in both are one slice."""
-    copies: list[tuple[slice, slice]] = []
-    for block in chosen:
-        if block.read is None:
-            where, source = blocks[block.name], view[block.name]
-            if copies and (copies[-1][0].stop, copies[-1][1].stop) == (where.start, source.start):
-                last, before = copies.pop()
-                where, source = slice(last.start, where.stop), slice(before.start, source.stop)
-            copies.append((where, source))
-    return copies
 
 
 def _checked(value: FloatArray, shape: tuple[int, ...], block: Block) -> FloatArray:

@@ -13,8 +13,10 @@ import numpy.typing as npt
 from coopenv.arrays import IntArray
 from coopenv.compiled import compiled, inlined
 from coopenv.geometry.frames import rotated, rotated_back
+from coopenv.measured import SHARES
 from coopenv.observation.block import Block, EachOther, side_by_side
 from coopenv.transition import Transition
+from coopenv.wrench.measures import RELATIVE_COST
 
 WRENCH_UNIT = "N, N, N·m"
 
@@ -78,7 +80,9 @@ VIEW = (
     ),
 )
 VIEW_PARTS = tuple(block.name for block in VIEW)
+DECOMPOSED = ("own_internal", "partner_internal", "load_share", "relative_cost")
 
+_NO_MEASURES = np.empty((0, 0))
 _PART = namedtuple("_PART", VIEW_PARTS)(*range(len(VIEW)))  # the number of each, for the kernel
 
 
@@ -101,50 +105,58 @@ def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
 
     A fresh array. What an agent is not told reads 0, a share that is not defined 1/n.
     """
-    decomposition, state = transition.decomposition, transition.next_state
-    team, share = transition.team, transition.share_or_even
     num_worlds, num_agents = transition.applied.shape[:2]
-    begin = _ends(num_agents)
-    seen = np.empty((num_worlds, num_agents, begin[-1]), dtype=np.float32)
-    _write_view(
-        begin,
-        (state.pose, state.twist, state.goal),
-        transition.conditions.told,
-        team.frame,
-        (transition.applied, transition.of_agents(decomposition.internal)),
-        (share.force, share.torque),
-        decomposition.relative_cost,
-        seen,
-    )
+    ends = _ends(num_agents)
+    seen = np.empty((num_worlds, num_agents, ends[-1]), dtype=np.float32)
+    write_view(transition, ends, True, seen)
     return seen
 
 
-@compiled
-def _write_view(begin, motion, told, frame, wrenches, shares, cost, seen):
-    """See `agent_view`.
+def write_view(
+    transition: Transition, begin: IntArray, decomposed: bool, seen: npt.NDArray[np.float32]
+) -> None:
+    """Write parts of the view into rows ``(world, agent, feature)``.
 
     Parameters
     ----------
+    transition
+        Which step.
     begin
-        Of each block in a row, and the row's width.
-    motion
-        Pose, twist and goal, ``(world, 3)`` each, world frame.
+        Of each block of `VIEW` in a row; -1 for one that is not wanted.
+    decomposed
+        Whether one of `DECOMPOSED` is wanted.
+    seen
+        Written.
+    """
+    state, conditions, applied = transition.next_state, transition.conditions, transition.applied
+    if decomposed:
+        measures = transition.measures
+        manipulation = np.ascontiguousarray(transition.decomposition.manipulation)
+    else:
+        measures, manipulation = _NO_MEASURES, applied
+    _write_view(
+        begin, state.pose, state.twist, state.goal, conditions.told, conditions.team.frame,
+        applied, manipulation, measures, seen,
+    )  # fmt: skip
+
+
+@compiled
+def _write_view(begin, pose, twist, goal, told, frame, applied, manipulation, measures, seen):
+    """See `write_view`.
+
+    Parameters
+    ----------
+    pose, twist, goal
+        ``(world, 3)`` each, world frame.
     told
         ``(world, agent, 2)``: whether an agent is told the goal's place and its angle.
     frame
         ``(world, agent, 2)``.
-    wrenches
-        Applied and internal, ``(world, agent, 3)`` each, object frame.
-    shares
-        Of force and torque, ``(world, agent)`` each, 1/n where undefined.
-    cost
-        ``(world,)``.
-    seen
-        ``(world, agent, feature)`` written.
+    applied, manipulation
+        ``(world, agent, 3)`` each, object frame; of the latter perhaps more than the agents'.
+    measures
+        As `Transition.measures`.
     """
-    pose, twist, goal = motion
-    applied, internal = wrenches
-    force_share, torque_share = shares
     num_worlds, num_agents = frame.shape[:2]
     for k in range(num_worlds):
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
@@ -155,30 +167,44 @@ def _write_view(begin, motion, told, frame, wrenches, shares, cost, seen):
             c, s = rotated(cos_object, sin_object, c_own, s_own)
 
             at = begin[_PART.goal]
-            away, across = rotated_back(c, s, dx, dy)
-            row[at], row[at + 1] = (away, across) if told[k, i, 0] else (0.0, 0.0)
-            row[at + 2], row[at + 3] = (cos_turn, sin_turn) if told[k, i, 1] else (0.0, 0.0)
+            if at >= 0:
+                away, across = rotated_back(c, s, dx, dy)
+                row[at], row[at + 1] = (away, across) if told[k, i, 0] else (0.0, 0.0)
+                row[at + 2], row[at + 3] = (cos_turn, sin_turn) if told[k, i, 1] else (0.0, 0.0)
 
             at = begin[_PART.twist]
-            row[at], row[at + 1] = rotated_back(c, s, twist[k, 0], twist[k, 1])
-            row[at + 2] = twist[k, 2]
+            if at >= 0:
+                row[at], row[at + 1] = rotated_back(c, s, twist[k, 0], twist[k, 1])
+                row[at + 2] = twist[k, 2]
 
-            _write_wrench(applied, k, i, c_own, s_own, row, begin[_PART.own_wrench])
-            _write_wrench(internal, k, i, c_own, s_own, row, begin[_PART.own_internal])
-            for step in range(num_agents - 1):  # the others in order
-                other = (i + 1 + step) % num_agents
-                at = begin[_PART.partner_wrench] + 3 * step
-                _write_wrench(applied, k, other, c_own, s_own, row, at)
-                at = begin[_PART.partner_internal] + 3 * step
-                _write_wrench(internal, k, other, c_own, s_own, row, at)
+            own, others = begin[_PART.own_wrench], begin[_PART.partner_wrench]
+            for step in range(num_agents):  # its own, then the others' in order
+                at = own if step == 0 else others
+                if at >= 0:
+                    other = (i + step) % num_agents
+                    x, y, torque = applied[k, other, 0], applied[k, other, 1], applied[k, other, 2]
+                    _write_wrench(x, y, torque, c_own, s_own, row, at + 3 * max(step - 1, 0))
+
+            own, others = begin[_PART.own_internal], begin[_PART.partner_internal]
+            for step in range(num_agents):
+                at = own if step == 0 else others
+                if at >= 0:
+                    other = (i + step) % num_agents
+                    x = applied[k, other, 0] - manipulation[k, other, 0]
+                    y = applied[k, other, 1] - manipulation[k, other, 1]
+                    torque = applied[k, other, 2] - manipulation[k, other, 2]
+                    _write_wrench(x, y, torque, c_own, s_own, row, at + 3 * max(step - 1, 0))
 
             at = begin[_PART.load_share]
-            row[at], row[at + 1] = force_share[k, i], torque_share[k, i]
-            row[begin[_PART.relative_cost]] = cost[k]
+            if at >= 0:
+                row[at], row[at + 1] = measures[k, SHARES + i], measures[k, SHARES + num_agents + i]
+            at = begin[_PART.relative_cost]
+            if at >= 0:
+                row[at] = measures[k, RELATIVE_COST]
 
 
 @inlined
-def _write_wrench(wrench, k, agent, c, s, row, at):
+def _write_wrench(x, y, torque, c, s, row, at):
     """Write an agent's wrench as it is seen along the axis (c, s) of the object frame."""
-    row[at], row[at + 1] = rotated_back(c, s, wrench[k, agent, 0], wrench[k, agent, 1])
-    row[at + 2] = wrench[k, agent, 2]
+    row[at], row[at + 1] = rotated_back(c, s, x, y)
+    row[at + 2] = torque

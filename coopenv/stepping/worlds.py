@@ -201,14 +201,15 @@ class SteppedWorlds:
         reward = driven.of_learners(reward)
         seen, clipped = self.observation.read(transition)
         self._obs = driven.of_learners(seen)
-        self._info = step_info(transition, driven.terms_of_learners(parts))
+        more: dict[str, Any] = {}
         if self.cost is not None:
-            taken, parts = self.cost(transition, what="cost")
-            told = cost_info(driven.of_learners(taken), driven.terms_of_learners(parts))
-            self._info.update(told)
+            taken, costs = self.cost(transition, what="cost")
+            more = cost_info(driven.of_learners(taken), driven.terms_of_learners(costs))
         if clipped is not None:
-            self._info[CLIPPED] = clipped
-        self._info.update(driven.info(transition))
+            more[CLIPPED] = clipped
+        # Entries are read later, and what a partner tells may be its own memory.
+        more.update((name, fact.copy()) for name, fact in driven.info(transition).items())
+        self._info = step_info(transition, driven.terms_of_learners(parts), more)
         return reward, terminated, truncated
 
     def _running(self, restart: BoolArray | None) -> Transition:

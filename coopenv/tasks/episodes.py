@@ -77,7 +77,8 @@ class Episodes:
     def judge(self, conditions: Conditions, state: State) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Which worlds ``(world,)`` are done, which ended by that or by failure, which by time."""
         task = self._task
-        success = task.success(state.pose, state.twist, state.goal)
+        # A copy: infos are read later, when a task may have written to its array again.
+        success = task.success(state.pose, state.twist, state.goal).copy()
         if self._may_be_early:
             success = success & task.due(conditions.plan, state.time)
         if self._is_judged:

@@ -276,6 +276,15 @@ class Decomposition:
         return level_kernel(self.applied, self.manipulation, decomposer.grips, parameters).T
 
     @property
+    def level_parameters(self) -> FloatArray:
+        """What `level_kernel` is told of the cost."""
+        return self._decomposer.level_parameters
+
+    def take_levels(self, levels: FloatArray) -> None:
+        """Have ``(..., NUM_LEVELS)``, to the bits of `level_kernel`, computed elsewhere."""
+        self.__dict__["_levels"] = levels.T
+
+    @property
     def cost(self) -> FloatArray:
         """J(h_M), ``(...)`` [N, torques per metre] (eq. 17)."""
         return self._levels[COST].T

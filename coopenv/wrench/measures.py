@@ -66,15 +66,9 @@ def _internal(applied, manipulation, grips, i):
     return norm(fx, fy, fz), norm(tx + aa - ma, ty + ab - mb, tz + ac - mc)
 
 
-@gufunc(
-    "(n,k),(n,k),(n,d),(q)->(q)",
-    "void(float64[:,:], float64[:,:], float64[:,:], float64[:], float64[:])",
-)
-def level_kernel(applied, manipulation, grips, parameters, result):
-    """Write costs and internal levels (eqs. 17, 28, 29) to the columns from `COST` on.
-
-    ``parameters`` are those of `level_parameters`.
-    """
+@inlined
+def write_levels(applied, manipulation, grips, parameters, result):
+    """See `level_kernel`."""
     w, induced = parameters[TORQUE_WEIGHT], parameters[INCLUDE_INDUCED]
     cost, applied_cost, force_level, torque_level = 0.0, 0.0, 0.0, 0.0
     for i in range(applied.shape[0]):
@@ -90,3 +84,15 @@ def level_kernel(applied, manipulation, grips, parameters, result):
     result[RELATIVE_COST] = max(relative, 0.0) if plausible else relative
     result[FORCE_LEVEL], result[TORQUE_LEVEL] = force_level, torque_level
     result[WASTED_COST] = max(wasted, 0.0) if plausible else wasted
+
+
+@gufunc(
+    "(n,k),(n,k),(n,d),(q)->(q)",
+    "void(float64[:,:], float64[:,:], float64[:,:], float64[:], float64[:])",
+)
+def level_kernel(applied, manipulation, grips, parameters, result):
+    """Write costs and internal levels (eqs. 17, 28, 29) to the columns from `COST` on.
+
+    ``parameters`` are those of `level_parameters`.
+    """
+    write_levels(applied, manipulation, grips, parameters, result)

@@ -210,18 +210,27 @@ def load_share_kernel(applied, grips, force_share, torque_share):
     _share(applied, grips, force_share, torque_share)
 
 
+@inlined
+def write_share_or_even(applied, grips, force_share, torque_share):
+    """Write load shares, 1/n where they are undefined; returns whether they are defined."""
+    _share(applied, grips, force_share, torque_share)
+    force_defined, torque_defined = _is_defined(force_share), _is_defined(torque_share)
+    even = 1 / force_share.shape[0]
+    for i in range(force_share.shape[0]):
+        force_share[i] = force_share[i] if force_defined else even
+        torque_share[i] = torque_share[i] if torque_defined else even
+    return force_defined, torque_defined
+
+
 @gufunc(
     "(n,k),(n,d)->(n),(),(n),()",
     "void(float64[:,:], float64[:,:], float64[:], boolean[:], float64[:], boolean[:])",
 )
 def share_or_even_kernel(applied, grips, force_share, force_defined, torque_share, torque_defined):
     """Write load shares (eq. 25), 1/n where they are undefined, and whether they are defined."""
-    _share(applied, grips, force_share, torque_share)
-    force_defined[0], torque_defined[0] = _is_defined(force_share), _is_defined(torque_share)
-    even = 1 / force_share.shape[0]
-    for i in range(force_share.shape[0]):
-        force_share[i] = force_share[i] if force_defined[0] else even
-        torque_share[i] = torque_share[i] if torque_defined[0] else even
+    force_defined[0], torque_defined[0] = write_share_or_even(
+        applied, grips, force_share, torque_share
+    )
 
 
 @inlined
