@@ -4,6 +4,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled
+from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.wrench import Decomposition
 from coopenv.wrench.measures import NUM_LEVELS, write_levels
 from coopenv.wrench.shares import write_share_or_even
@@ -35,17 +36,26 @@ def measured(
     defined = np.empty((num_worlds, 2), dtype=np.bool_)
     manipulation = np.ascontiguousarray(decomposition.manipulation)
     parameters = decomposition.level_parameters
-    _write(decomposition.applied, manipulation, grips, num_agents, parameters, rows, defined)
+    _write(
+        *sharing_rows(num_worlds), decomposition.applied, manipulation, grips, num_agents,
+        parameters, rows, defined,
+    )  # fmt: skip
     return rows, defined
 
 
 @compiled
-def _write(applied, manipulation, grips, num_agents, parameters, rows, defined):
-    """Write what `measured` returns."""
-    for k in range(len(applied)):
+def _write_part(start, stop, applied, manipulation, grips, num_agents, parameters, rows, defined):
+    for k in range(start, stop):
         row = rows[k]
         write_levels(applied[k], manipulation[k], grips[k], parameters, row[:SHARES])
         force, torque = row[SHARES : SHARES + num_agents], row[SHARES + num_agents :]
         defined[k, 0], defined[k, 1] = write_share_or_even(
             applied[k, :num_agents], grips[k, :num_agents], force, torque
         )
+
+
+@compiled
+def _write(board, parts, applied, manipulation, grips, num_agents, parameters, rows, defined):
+    """Write what `measured` returns."""
+    arguments = (applied, manipulation, grips, num_agents, parameters, rows, defined)
+    spread(board, parts, len(applied), _write_part, arguments)

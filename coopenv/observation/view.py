@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import IntArray
 from coopenv.compiled import compiled, inlined
+from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.geometry.frames import rotated, rotated_back
 from coopenv.measured import SHARES
 from coopenv.observation.block import Block, EachOther, side_by_side
@@ -135,14 +136,16 @@ def write_view(
     else:
         measures, manipulation = _NO_MEASURES, applied
     _write_view(
-        begin, state.pose, state.twist, state.goal, conditions.told, conditions.team.frame,
-        applied, manipulation, measures, seen,
+        *sharing_rows(len(applied)), begin, state.pose, state.twist, state.goal, conditions.told,
+        conditions.team.frame, applied, manipulation, measures, seen,
     )  # fmt: skip
 
 
 @compiled
-def _write_view(begin, pose, twist, goal, told, frame, applied, manipulation, measures, seen):
-    """See `write_view`.
+def _write_part(
+    start, stop, begin, pose, twist, goal, told, frame, applied, manipulation, measures, seen
+):
+    """See `write_view`; of worlds from ``start`` to before ``stop``.
 
     Parameters
     ----------
@@ -157,8 +160,8 @@ def _write_view(begin, pose, twist, goal, told, frame, applied, manipulation, me
     measures
         As `Transition.measures`.
     """
-    num_worlds, num_agents = frame.shape[:2]
-    for k in range(num_worlds):
+    num_agents = frame.shape[1]
+    for k in range(start, stop):
         cos_object, sin_object = np.cos(pose[k, 2]), np.sin(pose[k, 2])
         dx, dy, turn = goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1], goal[k, 2] - pose[k, 2]
         cos_turn, sin_turn = np.cos(turn), np.sin(turn)
@@ -208,3 +211,14 @@ def _write_wrench(x, y, torque, c, s, row, at):
     """Write an agent's wrench as it is seen along the axis (c, s) of the object frame."""
     row[at], row[at + 1] = rotated_back(c, s, x, y)
     row[at + 2] = torque
+
+
+@compiled
+def _write_view(
+    board, parts, begin, pose, twist, goal, told, frame, applied, manipulation, measures, seen
+):
+    """`_write_part` of all worlds, `spread`."""
+    arguments = (
+        begin, pose, twist, goal, told, frame, applied, manipulation, measures, seen,
+    )  # fmt: skip
+    spread(board, parts, len(applied), _write_part, arguments)

@@ -6,7 +6,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.compiled import compiled
-from coopenv.compiled.parallel import sharing, spread
+from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.conditions import Team
 from coopenv.config import TransportConfig
 from coopenv.geometry.frames import moved, rotated, write_wrench
@@ -21,8 +21,6 @@ from coopenv.physics.hands import (
 )
 from coopenv.physics.world import World
 from coopenv.wrench.grasp import write_sum
-
-WORTH_SHARING = 256  # worlds, whose actions take longer to read than another thread to wake
 
 
 class Given(NamedTuple):
@@ -49,7 +47,7 @@ class HeldWrenches:
         clipped, applied = np.empty(action.shape), np.empty((*action.shape[:2], 3))
         wrench = np.empty((len(action), 3))
         _give(
-            *sharing(len(action) // WORTH_SHARING), action, team.frame, team.limits, team.grips,
+            *sharing_rows(len(action)), action, team.frame, team.limits, team.grips,
             clipped, applied, wrench,
         )  # fmt: skip
         world.step(wrench)

@@ -4,7 +4,7 @@
 few integers in memory, changed by atomic instructions alone.
 """
 
-from coopenv.compiled.parallel.crew import Crew, cores, crew, shared, sharing
+from coopenv.compiled.parallel.crew import Crew, cores, crew, shared, sharing, sharing_rows
 from coopenv.compiled.parallel.spread import spread
 
-__all__ = ["Crew", "cores", "crew", "shared", "sharing", "spread"]
+__all__ = ["Crew", "cores", "crew", "shared", "sharing", "sharing_rows", "spread"]

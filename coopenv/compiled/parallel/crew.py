@@ -31,6 +31,7 @@ from coopenv.compiled.parallel.gates import (
 )
 from coopenv.compiled.parallel.spread import take_part
 
+ROWS = 128  # of a batch in a part, which take longer than another thread does to take them
 _PATIENCE = 200_000  # looks at an empty board before a thread sleeps
 
 
@@ -140,6 +141,11 @@ def sharing(count: int) -> tuple[int, int]:
     if threads == 1 or count < 2:
         return 0, 1
     return crew().board, min(count, MOST_PARTS if threads > crew().helpers else threads)
+
+
+def sharing_rows(count: int) -> tuple[int, int]:
+    """`sharing` for kernels that do little with each of ``count`` rows."""
+    return sharing(count // ROWS)
 
 
 def cores() -> int:

@@ -22,7 +22,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import TINY, compiled, gufunc
-from coopenv.compiled.parallel import sharing, spread
+from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.measures import INCLUDE_INDUCED, TORQUE_WEIGHT, cost_weights
 from coopenv.wrench.pair.bracketed_root import root_of
@@ -43,7 +43,6 @@ from coopenv.wrench.pair.lens import (
 )
 from coopenv.wrench.settings import Settings
 
-WORTH_SHARING = 128  # samples, which another thread takes longer for than to take them
 ON_AXIS = 1e-12  # distance from the line that counts as rounding, relative to the longest lever
 COINCIDENT = 1e-15  # distance from grip to grip that does: grips are known to some 4e-16
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
@@ -63,7 +62,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     weights = cost_weights(settings.torque_weight, settings.include_induced)
 
     def solve(applied: FloatArray) -> Answer:
-        board, parts = sharing(len(applied) // WORTH_SHARING if applied.ndim == 3 else 0)
+        board, parts = sharing_rows(len(applied) if applied.ndim == 3 else 0)
         if parts == 1:
             return Answer(decompose_on_axis(applied, axis, weights))
         axes, manipulation = np.broadcast_to(axis, (len(applied), 4)), np.empty_like(applied)
