@@ -79,7 +79,7 @@ def test_an_import_compiles_nothing(tmp_path):
 
 def test_after_warming_up_a_new_process_compiles_nothing():
     output(WORKS, *SAMPLE)
-    assert output(WORKS, *SAMPLE) == [f"did {name}" for name in SAMPLE]
+    assert sorted(output(WORKS, *SAMPLE)) == sorted(f"did {name}" for name in SAMPLE)
 
 
 @pytest.mark.parametrize("grips", [decompositions.ON_AN_AXIS, np.eye(3)], ids=["pair", "trio"])

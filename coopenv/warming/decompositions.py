@@ -42,7 +42,8 @@ def works() -> Iterator[tuple[str, partial[object]]]:
     """What to compile: what it is, and a call that does it or is refused."""
     for (place, grips), one in product(places().items(), settings()):
         solver = "" if one.solver == "auto" else f" by {one.solver}"
-        yield f"{one.method}{solver} of {place}", partial(_compile, grips, one)
+        induced = ", induced torques costed" if one.include_induced else ""
+        yield f"{one.method}{solver} of {place}{induced}", partial(_compile, grips, one)
 
 
 def _compile(grips: FloatArray, one: wrench.Settings) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.wrench.conic import solver as conic
 
+WITHOUT_TORQUE = ("max_internal", "one_dimensional", "net_force")  # methods that split forces only
 COMPUTED = (
     "gap",
     "fell_back",
@@ -29,6 +30,12 @@ def rehearse(decomposer: Any) -> None:
     fighting = np.random.default_rng(0).normal(size=(*grips.shape[:-1], size))
     agreeing = np.zeros_like(fighting)
     agreeing[..., 0] = 1.0
+    method, forces = decomposer.settings.method, slice(grips.shape[-1])
+    if method in WITHOUT_TORQUE:
+        fighting[..., grips.shape[-1] :] = 0.0
+    if method == "one_dimensional":
+        line = grips[..., 1:, :] - grips[..., :1, :]
+        fighting[..., forces], agreeing[..., forces] = line * [[1.0], [-1.0]], line
     for applied in (fighting, agreeing, np.zeros_like(fighting), np.stack([fighting, agreeing])):
         decomposition = decomposer(applied)
         for name in COMPUTED:
