@@ -12,7 +12,9 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.speed import (
+    cold,
     environments,
+    latency,
     logs,
     partners,
     senses,
@@ -30,7 +32,10 @@ def main() -> None:
         f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}, "
         f"numba {numba.__version__}, pymunk {pymunk.version}"
     )
-    for module in (wrench, structured, logs, transport, senses, partners, environments, torchrl):
+    for module in (
+        *(cold, latency, wrench, structured, logs),
+        *(transport, senses, partners, environments, torchrl),
+    ):
         for title, columns, rows in module.tables():
             table = Table(*columns, title=title, title_justify="left")
             for row in rows:

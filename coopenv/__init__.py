@@ -4,6 +4,7 @@ Importing this package registers its environments with Gymnasium. Where Gymnasiu
 pymunk is missing, all that needs none of them works, and the rest says what to install.
 """
 
+from collections.abc import Callable
 from importlib.metadata import version
 from typing import Any
 
@@ -72,6 +73,7 @@ __all__ = [
     "rewards",
     "walker_avoid_v0",
     "walker_turn_v0",
+    "warmup",
     "wrench",
 ]
 
@@ -91,6 +93,13 @@ try:
     )
 except ModuleNotFoundError as error:
     globals()["__getattr__"] = refusal(error, __name__, set(__all__) - set(globals()))
+
+
+def warmup(report: Callable[[int, int, str], None] | None = None) -> tuple[int, float, str | None]:
+    """Compile everything for this processor: see `coopenv.warming.warmup`."""
+    from coopenv.warming import warmup as compile_everything  # it needs every agent and partner
+
+    return compile_everything(report)
 
 
 def _find_partner(value: Any) -> Partner:

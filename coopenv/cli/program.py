@@ -14,6 +14,7 @@ from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
+from coopenv.cli.warmup import Warmup
 from coopenv.errors import CoopenvError
 from coopenv.files import file_trouble, nothing_left
 from coopenv.logs.command import Decompose
@@ -34,6 +35,7 @@ COMMANDS: dict[str, type[Command]] = {
     "evaluate": Evaluate,
     "decompose": Decompose,
     "study": Study,
+    "warmup": Warmup,
 }
 
 

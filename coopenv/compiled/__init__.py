@@ -10,7 +10,7 @@
 ``@in_llvm``
     Called from kernels only; its body says what instructions it becomes.
 ``@gufunc(layout, signature)``
-    A NumPy ufunc over any batch shape.
+    A NumPy ufunc over any batch shape, compiled when it is first called.
 ``@fused``, ``@fused_inlined``, ``@fused_entry``
     The same for code in which a product and a sum may become one instruction: helpers, which
     only compiled code can call and which are cached with whoever calls them, and the function that
@@ -18,6 +18,9 @@
 
 Between kernels, numbers that belong together go as a named tuple, at no cost. What Python calls
 takes its arrays one by one, as unpacking a named tuple takes longer than a small batch.
+
+An import compiles nothing. What a kernel calls is optimised and made machine code as part of the
+kernel alone: a helper is in the cache only within the kernels that Python has called.
 
 In all of them dividing by zero is no error, and the interpreter's lock is released (for gufuncs by
 NumPy).

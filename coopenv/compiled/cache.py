@@ -14,7 +14,7 @@ import pickle
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from functools import cache
+from functools import cache, cached_property
 from hashlib import sha256
 from io import BufferedWriter
 from pathlib import Path
@@ -186,9 +186,7 @@ def _elsewhere(ours: Any, py_func: Any) -> Iterator[Any]:
 def _cache_of(ours: Any, others: Any) -> Callable[[Any], Any]:
     """What makes the cache of a function: ours for ours, numba's for all others."""
 
-    def make(py_func: Any) -> Any:
-        if py_func not in KERNELS:
-            return others(py_func)
+    def found(py_func: Any) -> Any:
         elsewhere = list(_elsewhere(ours, py_func))
         try:
             cache = ours(py_func)
@@ -199,7 +197,32 @@ def _cache_of(ours: Any, others: Any) -> Callable[[Any], Any]:
         cache.elsewhere = elsewhere
         return cache
 
-    return make
+    class Later(ours):
+        """A cache that is looked for when a kernel is compiled, not when it is imported."""
+
+        def __init__(self, py_func: Any):
+            self._py_func = py_func
+            self._enabled = True
+
+        @cached_property
+        def _found(self) -> Any:
+            return found(self._py_func)
+
+        @property
+        def cache_path(self) -> Any:
+            return self._found.cache_path
+
+        def load_overload(self, sig: Any, target_context: Any) -> Any:
+            return self._found.load_overload(sig, target_context) if self._enabled else None
+
+        def save_overload(self, sig: Any, data: Any) -> None:
+            if self._enabled:
+                self._found.save_overload(sig, data)
+
+        def flush(self) -> None:
+            self._found.flush()
+
+    return lambda py_func: (Later if py_func in KERNELS else others)(py_func)
 
 
 class _Nowhere(NullCache):

@@ -1,5 +1,6 @@
 """What compiled code depends on: files and constants found from what its module imports."""
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -16,13 +17,22 @@ from numba.core.dispatcher import Dispatcher
 KERNELS: WeakSet[Any] = WeakSet()  # the Python functions of all that is cached
 ANYWHERE: WeakSet[Any] = WeakSet()  # those that Python calls as they are
 _PACKAGES: set[str] = set()  # where they come from; helpers are looked for nowhere else
+_IMPORTED: dict[str, tuple[int, int]] = {}  # files that kernels come from, as they were then
 
 
 def known(function: Callable[..., Any]) -> Callable[..., Any]:
     """Remember a function whose code goes into the cache, or into what does."""
     KERNELS.add(function)
     _PACKAGES.add(function.__module__.partition(".")[0])
+    seen(function)
     return function
+
+
+def seen(function: Callable[..., Any]) -> None:
+    """Remember what the file of a function is like as it is imported."""
+    file = function.__code__.co_filename
+    if os.path.isfile(file):
+        _IMPORTED[file] = _age(file)
 
 
 def stamp(function: Any, own: object) -> str:
@@ -111,5 +121,15 @@ def _home(value: Any) -> str | None:
 
 
 def _content(module: ModuleType) -> bytes:
+    """What is in the module's file, or what never was if that is not what was imported."""
     file = getattr(module, "__file__", None)
-    return Path(file).read_bytes() if file and Path(file).is_file() else b""
+    if not file or not os.path.isfile(file):
+        return b""
+    if _IMPORTED.get(file, _age(file)) != _age(file):
+        return os.urandom(16)
+    return Path(file).read_bytes()
+
+
+def _age(file: str) -> tuple[int, int]:
+    found = os.stat(file)
+    return found.st_mtime_ns, found.st_size

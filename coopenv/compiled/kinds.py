@@ -3,30 +3,31 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from numba import guvectorize, njit
-from numba.core.compiler_lock import global_compiler_lock
+from numba import njit
 from numba.extending import intrinsic, register_jitable
 
-from coopenv.compiled.cache import forget_loop
 from coopenv.compiled.dependencies import ANYWHERE, known
+from coopenv.compiled.parts import also_part, part
+from coopenv.compiled.universal import Universal
 
 TINY = 1e-300  # keeps divisions finite where the numerator is zero as well
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-_CACHED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "cache": True}
+_PLAIN: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 _FUSED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
-_HELPER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def compiled(function: Callable[..., Any]) -> Any:
     """Compile a function that Python or other kernels call."""
-    return njit(**_CACHED)(known(function))
+    kernel = njit(**_PLAIN, cache=True)(known(function))
+    return also_part(kernel, **_PLAIN)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a function into each kernel that calls it."""
-    return njit(**_CACHED, forceinline=True)(known(function))
+    kernel = njit(**_PLAIN, cache=True, forceinline=True)(known(function))
+    return also_part(kernel, **_PLAIN, forceinline=True)
 
 
 def anywhere(function: Kernel) -> Kernel:
@@ -38,12 +39,12 @@ def anywhere(function: Kernel) -> Kernel:
 
 def fused(function: Callable[..., Any]) -> Any:
     """Compile a helper of kernels in which products and sums may be fused."""
-    return njit(**_FUSED, **_HELPER)(function)
+    return part(function, **_FUSED)
 
 
 def fused_inlined(function: Callable[..., Any]) -> Any:
     """Compile such a helper into each kernel that calls it."""
-    return njit(**_FUSED, **_HELPER, forceinline=True)(function)
+    return part(function, **_FUSED, forceinline=True)
 
 
 def fused_entry(function: Callable[..., Any]) -> Any:
@@ -62,8 +63,8 @@ def in_llvm(function: Callable[..., Any]) -> Any:
 def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:
     """Compile a float64 kernel to a NumPy gufunc that broadcasts over any batch shape.
 
-    The decorator returns NumPy's own ufunc instead of numba's wrapper, which is slower to call.
-    NumPy releases the interpreter lock while the kernel runs.
+    Compiled is it when it is first called. A later call is one of NumPy's own ufunc, not of numba's
+    wrapper, which is slower to call. NumPy releases the interpreter lock while the kernel runs.
 
     A kernel must not divide by zero nor take the root of a negative number, even in a branch that
     is not taken (LLVM may compute both): NumPy would warn. Nor may it allocate: numba's allocator
@@ -76,25 +77,4 @@ def gufunc(layout: str, signature: str) -> Callable[[Callable[..., None]], Any]:
     signature
         Numba's, such as ``"void(float64[:,:], float64[:,:], float64[:])"``.
     """
-
-    def compile_kernel(kernel: Callable[..., None]) -> Any:
-        made = guvectorize([signature], layout, cache=True)(known(kernel))
-        if not _is_linked(made):
-            forget_loop(kernel)
-            made = guvectorize([signature], layout, cache=True)(kernel)
-        return made.ufunc
-
-    return compile_kernel
-
-
-def _is_linked(made: Any) -> bool:
-    """Whether every loop of the gufunc has an address.
-
-    Numba caches a kernel and its gufunc loop apart, under a name that differs from process to
-    process. Where two processes compile at the same time, the cache can keep the kernel of one and
-    the loop of the other: the loop is not found, its address is 0, and the first call would crash,
-    in every later process too. (Seen with numba 0.68.)
-    """
-    builder = made.gufunc_builder
-    with global_compiler_lock:  # without a cache it is compiled again
-        return all(builder.build(builder._cres[signature])[1] for signature in builder._sigs)
+    return lambda kernel: Universal(known(kernel), layout, signature)

@@ -26,6 +26,7 @@ from coopenv.wrench.measures import (
     level_kernel,
 )
 from coopenv.wrench.methods import METHODS
+from coopenv.wrench.rehearsal import rehearse
 from coopenv.wrench.residuals import Residuals, residuals_of
 from coopenv.wrench.settings import Settings
 from coopenv.wrench.shares import EnergyShare, LoadShare, ShareOrEven
@@ -120,6 +121,19 @@ class Decomposer:
 
     def __reduce__(self):
         return Decomposer, (self.grips, self.settings)
+
+    def compile(self) -> "Decomposer":
+        """Compile all that a call needs, and all that can be asked of its answer.
+
+        For control loops, whose first call then takes no longer than the others. What is in the
+        cache is read from there.
+
+        Returns
+        -------
+        Itself.
+        """
+        rehearse(self)
+        return self
 
     def answer(self, applied: FloatArray) -> Answer:
         """What the method answers to wrenches as a call takes them, without a `Decomposition`."""

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import clarabel as compiled_clarabel
 import numpy as np
-from scipy import sparse
 
 from coopenv.arrays import FloatArray
 
@@ -132,7 +131,7 @@ class ConeProgram:
         starts = np.zeros(shape[1] + 1, dtype=np.int32)
         np.cumsum(np.bincount(columns, minlength=shape[1]), out=starts[1:])
         entries = np.concatenate(self._entries)[order]
-        return sparse.csc_matrix((entries, rows[order], starts), shape)
+        return _csc_matrix((entries, rows[order], starts), shape)
 
     def _place(self, columns: list[int], block: FloatArray) -> None:
         for row in range(self._num_rows, self._num_rows + len(block)):
@@ -149,4 +148,10 @@ class ConeProgram:
 
 @lru_cache(maxsize=32)
 def _no_quadratic_cost(num_variables: int) -> Any:
-    return sparse.csc_matrix((num_variables, num_variables))
+    return _csc_matrix((num_variables, num_variables))
+
+
+def _csc_matrix(*arguments: Any) -> Any:
+    from scipy import sparse  # takes as long to import as half of this package
+
+    return sparse.csc_matrix(*arguments)
