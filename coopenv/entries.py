@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 from coopenv.pytrees import register_dictionary
 
+FIRST = "success"  # is always there, and made at once
 REWARD, BODY, COST = "reward/", "body/", "cost"  # what keys of a group begin with
 GROUPS = {  # what indexing gives as a dictionary of its own
     "reward_terms": REWARD,
@@ -53,8 +54,11 @@ class Info(dict[str, Any]):
 
     @classmethod
     def of(cls, source: Source) -> "Info":
-        """An info whose entries are made when they are asked for."""
-        info = cls()
+        """An info whose entries are made when they are asked for.
+
+        All but one, since Python's JSON takes a dictionary for empty by its memory.
+        """
+        info = cls({FIRST: source[FIRST]})
         info._source = source
         return info
 
