@@ -146,6 +146,15 @@ def test_a_kernel_is_recompiled_when_what_it_uses_from_another_file_changes(
     assert run(ASK, tmp_path) == expected
 
 
+def test_a_file_that_changes_between_import_and_first_call_leaves_no_stale_kernel(tmp_path):
+    for name, text in (("helpers", HELPERS), ("sizes", SIZES), ("users", USERS)):
+        (tmp_path / f"{name}.py").write_text(text)
+    text = "h = Path('helpers.py'); h.write_text(h.read_text().replace('3.0 * x', '5.0 * x'))"
+    early = f"import users; from pathlib import Path; {text}{ASK}"
+    assert run(early, tmp_path) == "5.0 5.0 3.0 7.0 1 1"  # what it imported
+    assert run(ASK, tmp_path) == "7.0 5.0 5.0 7.0 1 1"
+
+
 def test_what_is_compiled_anywhere_is_the_same_for_numbers_arrays_and_kernels():
     angles = np.random.default_rng(0).uniform(-20, 20, 200)
     from_arrays = wrapped(angles)
