@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.speed import (
+    actions,
     environments,
     logs,
     partners,
@@ -30,7 +31,8 @@ def main() -> None:
         f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}, "
         f"numba {numba.__version__}, pymunk {pymunk.version}"
     )
-    for module in (wrench, structured, logs, transport, senses, partners, environments, torchrl):
+    every = wrench, structured, logs, transport, actions, senses, partners, environments, torchrl
+    for module in every:
         for title, columns, rows in module.tables():
             table = Table(*columns, title=title, title_justify="left")
             for row in rows:
