@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.speed import (
+    actions,
     cold,
     environments,
     latency,
@@ -34,7 +35,7 @@ def main() -> None:
     )
     for module in (
         *(cold, latency, wrench, structured, logs),
-        *(transport, senses, partners, environments, torchrl),
+        *(transport, actions, senses, partners, environments, torchrl),
     ):
         for title, columns, rows in module.tables():
             table = Table(*columns, title=title, title_justify="left")

@@ -18,7 +18,7 @@ from coopenv.files import reading, written
 from coopenv.rewards import RewardSum
 from coopenv.transition import Transition
 
-EVALUATION = 5  # number of the evaluation; gains were searched on another, tests have another
+EVALUATION = 5  # number of the evaluation; gains were searched on another
 BEAMS: Mapping[str, tuple[float, int]] = {  # mass [kg], horizon [control steps]
     "7.7 kg": (7.7, 200),
     "20 kg": (20.0, 300),

@@ -19,6 +19,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
 
 from benchmarks.haptics.cells import Cell, Found, environment, measured
+from benchmarks.haptics.recurrent import WholeSequences
 from coopenv import TransportConfig, rewards
 from coopenv.agents.partners import PARTNERS
 from coopenv.agents.policy import Policy
@@ -156,7 +157,7 @@ def _with_memory(memory: str, training: TrainConfig, config: TransportConfig) ->
         model: PPO | RecurrentPPO = PPO("MlpPolicy", stacked, **settings)
     else:
         settings["policy_kwargs"]["lstm_hidden_size"] = UNITS
-        model = RecurrentPPO("MlpLstmPolicy", stacked, **settings)
+        model = RecurrentPPO(WholeSequences, stacked, **settings)
     venv.seed(training_seeds(training.seed, training.num_worlds)[0])
     model.learn(training.steps * len(config.learners))
     policy = SB3Policy(model)

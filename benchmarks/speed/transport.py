@@ -85,8 +85,8 @@ def full_steps(core: Transport, actions: FloatArray) -> Iterator[float]:
 
 
 def random_actions(core: Transport, steps: int) -> FloatArray:
-    """``(step, world, learner, 3)``."""
-    shape = (steps, core.num_worlds, len(core.learners), 3)
+    """``(step, world, learner, action_size)``."""
+    shape = (steps, core.num_worlds, len(core.learners), core.action_size)
     return np.random.default_rng(0).uniform(-1, 1, shape)
 
 

@@ -29,6 +29,7 @@ from tests.helpers import OPEN_ROOM, TRIO
 LIGHT = TransportConfig(action="motion", informed=(0,))
 HEAVY = replace(LIGHT, body=Body(mass=20.0), horizon=300)
 SEED, EPISODES = 0, 200
+HELD_OUT = 5, 500  # evaluation and episodes of docs/haptics.md; gains were searched on another
 FOLLOWERS = {
     "still": Still,
     "floats": lambda config: Follower(config, compliance=0.0, turn_compliance=0.0),
@@ -49,14 +50,14 @@ class Row:
     relative_cost: float
 
 
-def row(follower, config):
+def row(follower, config, seed=SEED, episodes=EPISODES):
     """Held-out episodes beside the leader; who lets go has slack hands."""
     if follower == "lets go":
         config, other = released(config, (1,)), Still
     else:
         other = FOLLOWERS[follower]
     team = Roles(config, {0: Straight(config), 1: other(config)})
-    seen = run_episodes(team, config, episodes=EPISODES, seed=SEED, num_worlds=EPISODES)
+    seen = run_episodes(team, config, episodes=episodes, seed=seed, num_worlds=episodes)
     return Row(
         success=seen.success.mean(),
         steps=seen.length[seen.success].mean() if seen.success.any() else np.nan,
@@ -74,9 +75,9 @@ def heavy():
     return {name: row(name, HEAVY) for name in ("lets go", "gives way", "assists", "told")}
 
 
-def test_who_gives_way_does_better_and_is_faster_than_who_lets_go(light):
-    gives, lets_go = light["gives way"], light["lets go"]
-    assert gives.success >= 0.87  # 90 % and more; of so few episodes 3 % are chance
+def test_who_gives_way_does_better_and_is_faster_than_who_lets_go():
+    gives, lets_go = row("gives way", LIGHT, *HELD_OUT), row("lets go", LIGHT, *HELD_OUT)
+    assert gives.success >= 0.9  # of other episodes 89.4 to 91.6 %
     assert 0.75 <= lets_go.success <= gives.success - 0.03
     assert gives.steps <= lets_go.steps - 20
     assert gives.relative_cost <= 0.2
@@ -85,7 +86,7 @@ def test_who_gives_way_does_better_and_is_faster_than_who_lets_go(light):
 
 def test_who_floats_or_keeps_still_hinders(light):
     assert light["still"].success <= 0.05
-    assert light["floats"].success <= 0.2  # 15 % and less, likewise
+    assert row("floats", LIGHT, *HELD_OUT).success <= 0.15  # of other episodes 11.8 to 16.2 %
     assert light["still"].relative_cost >= 0.85
 
 
