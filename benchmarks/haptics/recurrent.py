@@ -1,9 +1,11 @@
 """A recurrent policy of sb3-contrib that goes over a whole sequence at once.
 
 The parent steps through time in Python as soon as any episode begins in a batch, which costs most
-of the training. Its buffer cuts sequences where episodes begin, so that a reset is met at the first
-step of a sequence alone, and there it is a state of zero to begin from.
+of the training. Its buffer cuts sequences where episodes begin, so that one begins at the first
+step of a sequence alone, and there that is a state of zero to begin from.
 """
+
+from itertools import pairwise
 
 import torch
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
@@ -19,11 +21,17 @@ class WholeSequences(RecurrentActorCriticPolicy):
     def _process_sequence(
         features: torch.Tensor, lstm_states: States, episode_starts: torch.Tensor, lstm: nn.LSTM
     ) -> tuple[torch.Tensor, torch.Tensor]:  # as the parent says, though states are a pair
-        whole = RecurrentActorCriticPolicy._process_sequence
-        starts = episode_starts.reshape(lstm_states[0].shape[1], -1)  # (sequence, step)
-        if starts[:, 1:].any():
-            return whole(features, lstm_states, episode_starts, lstm)
-        kept = (1.0 - starts[:, 0])[None, :, None]
+        """See the parent; steps are taken together up to where an episode begins."""
         hidden, cell = lstm_states
-        begun = (kept * hidden, kept * cell)
-        return whole(features, begun, torch.zeros_like(starts), lstm)
+        sequences = hidden.shape[1]
+        steps = features.reshape(sequences, -1, lstm.input_size).swapaxes(0, 1)
+        kept = 1.0 - episode_starts.reshape(sequences, -1).T  # (step, sequence)
+        begins = (kept[1:] < 1.0).any(dim=1).nonzero().flatten() + 1
+        bounds = [0, *begins.tolist(), len(steps)]
+        outputs = []
+        for first, end in pairwise(bounds):
+            keep = kept[first][None, :, None]
+            output, (hidden, cell) = lstm(steps[first:end], (keep * hidden, keep * cell))
+            outputs.append(output)
+        flat = torch.cat(outputs).transpose(0, 1).flatten(end_dim=1)
+        return flat, (hidden, cell)  # pyright: ignore[reportReturnType]
