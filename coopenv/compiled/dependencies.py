@@ -17,7 +17,7 @@ from numba.core.dispatcher import Dispatcher
 KERNELS: WeakSet[Any] = WeakSet()  # the Python functions of all that is cached
 ANYWHERE: WeakSet[Any] = WeakSet()  # those that Python calls as they are
 _PACKAGES: set[str] = set()  # where they come from; helpers are looked for nowhere else
-_IMPORTED: dict[str, tuple[int, int]] = {}  # files that kernels come from, as they were then
+_imported: dict[str, tuple[int, int]] = {}  # files that kernels come from, as they were then
 
 
 def known(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -32,7 +32,7 @@ def seen(function: Callable[..., Any]) -> None:
     """Remember what the file of a function is like as it is imported."""
     file = function.__code__.co_filename
     if os.path.isfile(file):
-        _IMPORTED[file] = _age(file)
+        _imported[file] = _age(file)
 
 
 def stamp(function: Any, own: object) -> str:
@@ -125,7 +125,7 @@ def _content(module: ModuleType) -> bytes:
     file = getattr(module, "__file__", None)
     if not file or not os.path.isfile(file):
         return b""
-    if _IMPORTED.get(file, _age(file)) != _age(file):
+    if _imported.get(file, _age(file)) != _age(file):
         return os.urandom(16)
     return Path(file).read_bytes()
 
