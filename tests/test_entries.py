@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from coopenv import Transport
-from coopenv.entries import Info
-from coopenv.info import copied, step_info
+from coopenv.info import Info, copied, step_info
 from coopenv.rewards import Success
 from coopenv.tasks.transport import TransportTask
 from tests.helpers import PARALLEL, actions, parallel_actions
