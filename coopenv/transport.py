@@ -210,7 +210,7 @@ class Transport(SteppedWorlds):
             drawn_pose if pose is None else pose[worlds],
             drawn_goal if goal is None else goal[worlds],
         )
-        return self._obs.copy(), copied(self._info)
+        return self._obs.copy(), copied_when_read(self._info)
 
     def step(
         self, action: npt.ArrayLike, *, restart: BoolArray | None = None

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from coopenv import Transport
-from coopenv.entries import Info
-from coopenv.info import copied, step_info
+from coopenv.info import Info, copied, step_info
 from coopenv.rewards import Success
 from coopenv.tasks.transport import TransportTask
 from tests.helpers import PARALLEL, actions, parallel_actions
@@ -143,9 +142,9 @@ def same(one: Any, other: Any) -> None:
 )
 def test_infos_read_late_are_of_their_own_step(keywords):
     """Whatever happens between: steps, resets of some worlds, and changes of what was told."""
-    kept, at_once = [], []
     core = Transport(num_worlds=4, horizon=9, **keywords)
-    core.reset(seed=0)
+    kept = [core.reset(seed=0)[1]]
+    at_once = [copied(core._info)]
     for step, action in enumerate(actions(1, 24, *core.action_shape)):
         *_, terminated, truncated, info = core.step(action)
         kept.append(info)
@@ -155,7 +154,8 @@ def test_infos_read_late_are_of_their_own_step(keywords):
         done = terminated | truncated
         done[0] |= step % 5 == 4
         if done.any():
-            core.reset(mask=done)
+            kept.append(core.reset(mask=done)[1])
+            at_once.append(copied(core._info))
     for late, early in zip(kept, at_once, strict=True):
         same(late, early)
 

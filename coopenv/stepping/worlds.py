@@ -122,8 +122,14 @@ class SteppedWorlds:
             self.transition = before.with_worlds(worlds, start, self.conditions)
             obs = with_rows(self._obs, worlds, obs)
             info = with_worlds(Info({name: self._info[name] for name in info}), worlds, info)
-        info.update(self.driven.info(self.transition))
+        facts = self._facts(self.transition)
+        if facts:
+            info.update(facts)
         self._obs, self._info = obs, info
+
+    def _facts(self, transition: Transition) -> dict[str, Any]:
+        """What a partner tells: copies, since infos are read later and it may be its own memory."""
+        return {name: fact.copy() for name, fact in self.driven.info(transition).items()}
 
     def _parts(self, worlds: IntArray) -> dict[str, Any]:
         """All that decides how ``worlds`` go on, one row each."""
@@ -207,8 +213,7 @@ class SteppedWorlds:
             more = cost_info(driven.of_learners(taken), driven.terms_of_learners(costs))
         if clipped is not None:
             more[CLIPPED] = clipped
-        # Entries are read later, and what a partner tells may be its own memory.
-        more.update((name, fact.copy()) for name, fact in driven.info(transition).items())
+        more.update(self._facts(transition))
         self._info = step_info(transition, driven.terms_of_learners(parts), more)
         return reward, terminated, truncated
 

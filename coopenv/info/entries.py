@@ -50,7 +50,7 @@ class Info(dict[str, Any]):
     ['success', 'reward/progress']
     """
 
-    _source: Source | None = None  # of entries that are still to be made
+    pending: Source | None = None  # where entries come from that are still to be made
 
     @classmethod
     def of(cls, source: Source) -> "Info":
@@ -59,11 +59,11 @@ class Info(dict[str, Any]):
         All but one, since Python's JSON takes a dictionary for empty by its memory.
         """
         info = cls({FIRST: source[FIRST]})
-        info._source = source
+        info.pending = source
         return info
 
     def __missing__(self, name: str) -> Any:
-        source = self._source
+        source = self.pending
         if source is not None and name in source:
             entry = source[name]
             dict.__setitem__(self, name, entry)
@@ -78,7 +78,7 @@ class Info(dict[str, Any]):
         return {name[len(start) :]: self[name] for name in self.names() if name.startswith(start)}
 
     def __contains__(self, name: object) -> bool:
-        return dict.__contains__(self, name) or (self._source is not None and name in self._source)
+        return dict.__contains__(self, name) or (self.pending is not None and name in self.pending)
 
     def get(self, name: str, default: Any = None) -> Any:
         """The entry of that name, or ``default``; no group."""
@@ -87,7 +87,7 @@ class Info(dict[str, Any]):
 
     def names(self) -> Iterator[str]:
         """Names of the entries, of which none is made for that."""
-        return dict.__iter__(self) if self._source is None else iter(self._source)
+        return dict.__iter__(self) if self.pending is None else iter(self.pending)
 
     def copy(self) -> "Info":
         """A copy that knows its groups too."""
@@ -96,9 +96,9 @@ class Info(dict[str, Any]):
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (dict(self),)
 
-    def _complete(self) -> None:
+    def complete(self) -> None:
         """Make the entries that are missing, and put all in order."""
-        source = self._source
+        source = self.pending
         if source is None:
             return
         made = {
@@ -107,7 +107,7 @@ class Info(dict[str, Any]):
         }
         dict.clear(self)
         dict.update(self, made)
-        self._source = None
+        self.pending = None
 
 
 class _Completed:
@@ -122,7 +122,7 @@ class _Completed:
     def __get__(self, info: Info | None, owner: type | None = None) -> Any:
         if info is None:
             return self._of_dict
-        info._complete()
+        info.complete()
         return self._of_dict.__get__(info)
 
 
