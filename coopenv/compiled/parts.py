@@ -38,6 +38,8 @@ class _Part(JITCodeLibrary):
 
     def finalize(self) -> None:
         self._raise_if_finalized()
+        for library in self._linking_libraries if hasattr(self, "_reload_init") else ():
+            self._reload_init.update(library._reload_init)  # not in the oldest numba
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
@@ -50,7 +52,6 @@ class _Part(JITCodeLibrary):
             own = isinstance(library, _Part)
             code = library._own_module() if own else library._get_module_for_linking()
             module.link_in(code, preserve=True)
-            self._reload_init.update(library._reload_init)
         return module
 
     def _own_module(self) -> Any:

@@ -39,7 +39,7 @@ class Universal(partial):
         return self.func
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
+        if name.startswith("_") or name == "ufunc":  # the latter where compiling it failed so
             raise AttributeError(name)
         return getattr(self.ufunc, name)
 
