@@ -13,6 +13,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.soak.alone import check_alone, growth
 from benchmarks.soak.drawn.features import any_environment
 from benchmarks.soak.drawn.pushes import any_actions
 from benchmarks.soak.watch import Watch
@@ -27,7 +28,6 @@ WORLD_STEPS, EPISODES = 400_000, 1_000  # about so many a trial; beginning one t
 BY_CONIC = 600  # where that solver decomposes, which takes milliseconds as well
 STEPS, REPLAYED = (20, 1_000), 150  # of a world, at least and at most; the first are replayed
 MANY = 64  # worlds at least, in half of the trials
-ALONE = 1e-9  # [m, rad, m/s, rad/s] by which company may change a world, by rounding
 
 
 class Ride(NamedTuple):
@@ -70,7 +70,14 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
     began = np.array(agains, dtype=np.bool_).reshape(-1, num_worlds)  # the first may lose a body
     own = plan[:free, k : k + 1], began[:free, k : k + 1]
     rides = drive(alone, seed + k, *own, in_step=in_step)
-    check_alone(alone, rides, [(pose[k], twist[k]) for pose, twist in poses], f"{env}: world {k}")
+    among = [(pose[k], twist[k]) for pose, twist in poses]
+
+    def explained() -> FloatArray:
+        both = Transport(config=alone.config), Transport(config=alone.config)
+        one, other = (drive(core, seed + k, *own, in_step=in_step) for core in both)
+        return growth(both[0], one, both[1], other)
+
+    check_alone(alone, rides, among, explained, f"{env}: world {k}")
     tried = {"steps": len(agains), "replayed": len(seen)}
     counts = {name: count * num_worlds for name, count in tried.items()}
     return counts | {"episodes": begun, "cut_short": int(watch.lost is not None)}
@@ -94,16 +101,6 @@ def check_replay(
         same = digest(core, ride)
         other = [name for name in same if same[name] != before.get(name)]
         assert not other, f"{place}: a replay differs at step {step} in {', '.join(other)}"
-
-
-def check_alone(
-    core: Transport, rides: Iterable[Ride], among: Sequence[tuple[FloatArray, ...]], place: str
-) -> None:
-    """Raise unless a world alone moves as it did ``among`` others."""
-    for step, _ in enumerate(rides):
-        for mine, theirs in zip((core.world.pose, core.world.twist), among[step], strict=True):
-            off = np.abs(mine[0] - theirs).max()
-            assert off <= ALONE, f"{place} alone is {off:.1e} off at step {step}"
 
 
 def drive(

@@ -56,6 +56,38 @@ def disagreement(sample, system):
 
 
 @fused
+def room_in(sample, system):
+    """Return how deep forces alone would make the feasible set, and what sharing torques saves.
+
+    The depth is by how much Σ g could point beyond 0, against Σ f: (Σ ‖f‖ − ‖Σ f‖) / 2, of forces
+    that are not fixed. The saving is in parts of J(h).
+    """
+    depth, saved = 0.0, 0.0
+    for first in (0, 3):
+        _sum(sample, system, first)
+        x, y, z = system[NU_STEP, first], system[NU_STEP, first + 1], system[NU_STEP, first + 2]
+        size = max(norm3(x, y, z), TINY)
+        x, y, z = x / size, y / size, z / size
+        for i in range(first // 3, num_blocks(sample), 2):
+            row = block(sample, i)
+            at = COLUMNS + first
+            fx = row[at] * row[V] + row[at + 6] * row[V + 1]
+            fy = row[at + 1] * row[V] + row[at + 7] * row[V + 1]
+            fz = row[at + 2] * row[V] + row[at + 8] * row[V + 1]
+            along = fx * x + fy * y + fz * z
+            across = norm3(fy * z - fz * y, fz * x - fx * z, fx * y - fy * x)
+            length = norm3(fx, fy, fz)
+            lost = length - along
+            if along > 0.0:
+                lost = across * across / (length + along)
+            if first == 0 and row[FREE] > 0.0:
+                depth += 0.5 * lost
+            if first == 3:
+                saved += row[PRICE] * lost
+    return depth, saved
+
+
+@fused
 def _sum(sample, system, first):
     """Write Σ f to dν, or Σ t to its second half (``first`` = 3)."""
     for r in range(first, first + 3):

@@ -5,7 +5,7 @@ import numpy as np
 from coopenv.compiled import fused, fused_entry
 from coopenv.compiled.lanes.memory import TABLE_WIDTH, array_at, four_at, table_at
 from coopenv.compiled.lanes.vectors import LANES
-from coopenv.wrench.structured.agreement import share_needed
+from coopenv.wrench.structured.agreement import room_in, share_needed
 from coopenv.wrench.structured.alignment import align, turn_back
 from coopenv.wrench.structured.balance import SYSTEM
 from coopenv.wrench.structured.blocks import (
@@ -124,7 +124,8 @@ def _weighed(sample, system, gap, saved):
     fit(sample)
     left = saving(sample, ANSWER)
     gap += max(saved - left, 0.0)
-    slack = undercut(sample, system, left)
+    depth, shared = room_in(sample, system)
+    slack = undercut(sample, system, left, left - shared, depth)
     if slack < left or left > TRIFLE:
         return gap, left, slack
     clear(sample)

@@ -27,7 +27,12 @@ from coopenv.wrench.structured.blocks import (
     num_cones,
 )
 from coopenv.wrench.structured.cones import Z
-from coopenv.wrench.structured.tolerances import MULTIPLIER_GROWTH, NEGLIGIBLE, TORQUE_ROUNDING
+from coopenv.wrench.structured.tolerances import (
+    DEPTH_LOSS,
+    MULTIPLIER_GROWTH,
+    NEGLIGIBLE,
+    TORQUE_ROUNDING,
+)
 
 
 @fused
@@ -110,13 +115,18 @@ def block_saving(b, part):
 
 
 @fused
-def undercut(sample, system, saved):
+def undercut(sample, system, saved, beyond, depth):
     """Estimate how far below J* the cost of an answer may be, which is feasible only to rounding.
 
     Missing balance by ε may save ε‖ν‖. The multipliers ν of force are huge where forces nearly
     agree, those of torque where levers are long or where only a very short lever could compensate a
     torque. Leaving a ball by ε may save ε‖ζ‖. Both errors are measured, and `TORQUE_ROUNDING` is
-    added to those of torque. The estimate is at most what the answer saves, since J* ≤ J(h).
+    added to those of torque.
+
+    These multipliers are the answer's, and those of J* may be larger without bound: where forces
+    nearly agree, ε may exceed the ``depth`` of the feasible set. By convexity forces that are off
+    by ε save no more than the part ε/depth of what the answer saves ``beyond`` one that is surely
+    plausible. Neither is more than all that is saved, as J* ≤ J(h).
     """
     resultant(sample, system, ANSWER, NU_STEP)
     square, worth = 0.0, 0.0
@@ -124,13 +134,24 @@ def undercut(sample, system, saved):
         worth += abs(system[NU, r] * system[NU_STEP, r])
     for r in range(3, 6):
         square += system[NU, r] * system[NU, r]
-    outside = splat(0.0)
-    for i in range(num_chunks(sample)):
-        outside += _worth_of_excess(chunk(sample, i))
-    return min(
-        max(saved, 0.0),
-        TORQUE_ROUNDING * sqrt(square) + MULTIPLIER_GROWTH * (worth + total(outside)),
+    off = sqrt(
+        system[NU_STEP, 0] * system[NU_STEP, 0]
+        + system[NU_STEP, 1] * system[NU_STEP, 1]
+        + system[NU_STEP, 2] * system[NU_STEP, 2]
     )
+    priced, outside = splat(0.0), splat(0.0)
+    for i in range(num_chunks(sample)):
+        b = chunk(sample, i)
+        ball, disc = _excess(b)
+        priced += where(ball > 0.0, ball * cone_of(b, 1)[Z], 0.0)
+        priced += where(disc > 0.0, disc * cone_of(b, 2)[Z], 0.0)
+        if i & 1 == 0:
+            outside += ball + disc
+    off += total(outside)
+    thin = DEPTH_LOSS * off
+    part = thin / depth if thin < depth else 1.0
+    worth = TORQUE_ROUNDING * sqrt(square) + MULTIPLIER_GROWTH * (worth + total(priced))
+    return max(min(worth, saved), part * beyond, 0.0)
 
 
 @fused
@@ -153,13 +174,12 @@ def neglected(sample, system):
 
 
 @fused_inlined
-def _worth_of_excess(b):
-    """Return ε‖ζ‖ for the balls and discs of four blocks that the candidate leaves by ε."""
+def _excess(b):
+    """Return by how much the candidate leaves the balls and the discs of four blocks."""
     inner, square = products(b)
     ball = leaving(inner + b[ANSWER] * b[V], square + b[ANSWER] * b[ANSWER], b[RADIUS])
     disc = leaving(inner, square, 0.5 * size(b[V + 1]))
-    worth = where(b[CONES] > 1.0, ball * cone_of(b, 1)[Z], 0.0)
-    return worth + where(b[CONES] > 2.0, disc * cone_of(b, 2)[Z], 0.0)
+    return where(b[CONES] > 1.0, ball, 0.0), where(b[CONES] > 2.0, disc, 0.0)
 
 
 @fused_inlined

@@ -79,3 +79,4 @@ ROUNDING = 4e-16  # error of an inner product, relative to the product of length
 CANCELLED = 1e-3  # below this part of s_0 z_0 the product s·z is not taken from the components
 TORQUE_ROUNDING = 1e-15  # of the sample: torque by which balance may be missed unseen
 MULTIPLIER_GROWTH = 4.0  # multipliers may still grow by this factor
+DEPTH_LOSS = 4.0  # a set of wrenches may be so much thinner than that of their forces alone
