@@ -261,5 +261,5 @@ def test_a_task_that_judges_too_few_worlds_is_not_asked_for_the_others():
 
     core = Transport(num_worlds=3, task=Hasty())
     core.reset(seed=0)
-    with pytest.raises(ValueError, match="broadcast"):
+    with pytest.raises(ValueError, match="must judge every world"):
         core.step(np.zeros((3, 2, 3)))
