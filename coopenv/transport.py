@@ -257,11 +257,8 @@ class Transport(SteppedWorlds):
         try:
             if restart is not None:
                 restart = booleans(restart, "restart", self.num_worlds)
-            if self.threads == 1:
+            with shared(self.threads):
                 reward, terminated, truncated = self._step(action, restart)
-            else:
-                with shared(self.threads):
-                    reward, terminated, truncated = self._step(action, restart)
             if restart is None or not restart.any():
                 return self._obs, reward, terminated, truncated, self._info
             obs, info = self.reset(mask=restart)
@@ -272,6 +269,6 @@ class Transport(SteppedWorlds):
 
 
 def _made(
-    kind: type[Transport], num_worlds: int, config: TransportConfig, threads: int
+    kind: type[Transport], num_worlds: int, config: TransportConfig, threads: int | None = None
 ) -> Transport:
     return kind(num_worlds=num_worlds, config=config, threads=threads)

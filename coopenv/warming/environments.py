@@ -1,6 +1,6 @@
 """Environments that make up all that steps, observations, rewards and partners compile."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ from coopenv.physics.actuators import Actuators
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.randomisation import Ranges
+from coopenv.stepping.worlds import WORTH_A_THREAD
 from coopenv.transport import Transport
 from coopenv.wrench import Settings
 
@@ -68,7 +69,7 @@ VARIANTS: dict[str, Mapping[str, Any]] = {
 OBSERVED = {f"block {name}": {"observe": (name,)} for name in BLOCKS}
 
 
-def works() -> Iterator[tuple[str, partial[object]]]:
+def works() -> Iterator[tuple[str, Callable[[], object]]]:
     """What to compile: what it is, and a call that does it or is refused."""
     ids = sorted(name for name in gymnasium.registry if name.startswith(PREFIX))
     for env in ids:
@@ -78,6 +79,14 @@ def works() -> Iterator[tuple[str, partial[object]]]:
                 label = f"{env.removeprefix(PREFIX)}, action {action}, {name}"
                 yield label, partial(_step, env, {**keywords, "action": action})
         yield f"{env.removeprefix(PREFIX)}, Gymnasium", partial(_views, env)
+    yield "threads", _share
+
+
+def _share() -> None:
+    """A step of a batch that is large enough for more than one thread."""
+    core = Transport(num_worlds=2 * WORTH_A_THREAD, threads=2)
+    core.reset(seed=0)
+    core.step(np.zeros(core.action_shape))
 
 
 def _step(env: str, keywords: Mapping[str, Any]) -> None:

@@ -17,10 +17,10 @@ from coopenv.compiled.kinds import in_llvm
 
 _WORD = 8  # [bytes]
 LINE = 16  # words: what one thread writes often lies in lines of its own
-TICKET, DONE, OWNER, AWAKE, CLOSED, TASK, ARGUMENTS, COUNT, PARTS = (
-    LINE * number for number in range(9)
+TICKET, DONE, OWNER, AWAKE, CLOSED, TASK, ARGUMENTS, COUNT, PARTS, FAILED, NAP, BED = (
+    LINE * number for number in range(12)
 )
-_SIZE = LINE * 9
+_SIZE = LINE * 12
 JOB_BITS = 32  # where the number of a job begins in a ticket
 END_BITS = 16  # of a ticket: the first part that is left, and before which they end
 MOST_PARTS = 2**END_BITS - 1

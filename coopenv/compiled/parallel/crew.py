@@ -2,19 +2,19 @@
 
 import atexit
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
-from threading import Thread, local
+from threading import Lock, Thread, local
 
 import numpy as np
 
 from coopenv.compiled.kinds import compiled
 from coopenv.compiled.parallel.board import (
     AWAKE,
+    BED,
     CLOSED,
     LINE,
     MOST_PARTS,
+    NAP,
     add,
     exchanged,
     new_board,
@@ -23,6 +23,7 @@ from coopenv.compiled.parallel.board import (
 )
 from coopenv.compiled.parallel.gates import (
     ACQUIRE,
+    ACQUIRE_TIMED,
     RELEASE,
     functions,
     new_gate,
@@ -40,8 +41,9 @@ class Crew:
 
     Parameters
     ----------
-    helpers
-        How many threads; those who have work for them work too.
+    most
+        How many threads there may be; they are started when they are first wanted. Those who have
+        work for them work too.
 
     Attributes
     ----------
@@ -49,30 +51,52 @@ class Crew:
         Address of the board, 0 if there are no helpers.
     """
 
-    def __init__(self, helpers: int):
-        self._board, self.helpers = new_board(), helpers
-        self.board = self._board.ctypes.data if helpers else 0
-        self._functions = functions()
-        self._gates = np.array([new_gate() for _ in range(helpers)], dtype=np.int64)
-        self._sleeps = np.zeros(helpers * LINE, dtype=np.int64)
-        for number in range(helpers):
-            Thread(target=self._help, args=(number,), name="coopenv", daemon=True).start()
+    def __init__(self, most: int):
+        self._board, self.most = new_board(), most
+        self.board = self._board.ctypes.data if most else 0
+        self._functions, self._bed = functions(), new_gate()
+        self._board[NAP], self._board[BED] = self._functions[ACQUIRE_TIMED], self._bed
+        self._gates = np.array([new_gate() for _ in range(most)], dtype=np.int64)
+        self._sleeps = np.zeros(most * LINE, dtype=np.int64)
+        self._board[CLOSED] = 1  # what is called here returns at once, and is compiled
+        if most:
+            self._wake(1)
+            self._help(0)
+        self._sleeps[:], self._board[CLOSED] = 0, 0
+        self._started, self._starting = 0, Lock()
 
     @property
     def awake(self) -> int:
         """How many helpers look for work now."""
         return int(self._board[AWAKE])
 
-    def wake(self) -> None:
-        """Let all helpers look for work; at most a microsecond where they do."""
-        if self._board[AWAKE] < self.helpers:
-            _wake(self._functions[RELEASE], self._gates, self._sleeps.ctypes.data)
+    def wake(self, helpers: int) -> None:
+        """Let so many helpers look for work; at most a microsecond where they do."""
+        helpers = min(helpers, self.most)
+        if self._started < helpers:
+            self._start(helpers)
+        if self._board[AWAKE] < helpers:
+            self._wake(helpers)
 
     def close(self) -> None:
         """Let all helpers end, before what they run goes."""
-        if self.helpers:
-            _close(self.board)
-            self.wake()
+        self._board[CLOSED] = 1
+        self._wake(self.most)
+
+    def _start(self, helpers: int) -> None:
+        """Start as many as are missing; where the system gives no more threads, fewer do."""
+        with self._starting:
+            for number in range(self._started, helpers):
+                thread = Thread(target=self._help, args=(number,), name="coopenv", daemon=True)
+                try:
+                    thread.start()
+                except RuntimeError:
+                    self.most = number
+                    return
+                self._started = number + 1
+
+    def _wake(self, helpers: int) -> None:
+        _open(self._functions[RELEASE], self._gates[:helpers], self._sleeps.ctypes.data)
 
     def _help(self, number: int) -> None:
         sleeps = self._sleeps[LINE * number :].ctypes.data
@@ -94,21 +118,24 @@ def _serve(board, acquire, gate, sleeps, patience):
 
 
 @compiled
-def _wake(release, gates, sleeps):
+def _open(release, gates, sleeps):
     """Open the gates of all who sleep, each once."""
     for number in range(len(gates)):
         if exchanged(sleeps, LINE * number, 1, 0):
             open_gate(release, gates[number])
 
 
-@compiled
-def _close(board):
-    write(board, CLOSED, 1)
+_making = Lock()
+
+
+def crew() -> Crew:
+    """The helpers of this process, one for each core but one."""
+    with _making:
+        return _made()
 
 
 @cache
-def crew() -> Crew:
-    """The helpers of this process, one for each core but one."""
+def _made() -> Crew:
     made = Crew(max(0, cores() - 1))
     atexit.register(made.close)
     return made
@@ -123,16 +150,27 @@ class _Sharing(local):
 _now = _Sharing()
 
 
-@contextmanager
-def shared(threads: int) -> Iterator[None]:
-    """Let kernels that are called within use up to ``threads``, the caller's own among them."""
-    before, _now.threads = _now.threads, threads
-    if threads > 1:
-        crew().wake()
-    try:
-        yield
-    finally:
-        _now.threads = before
+class shared:  # noqa: N801 - a context manager, in a step of some microseconds
+    """Let kernels that are called within use up to ``threads``, the caller's own among them.
+
+    No more than there are cores for this process at the moment.
+    """
+
+    __slots__ = ("_before", "_threads")
+
+    def __init__(self, threads: int):
+        self._threads, self._before = threads, 1
+
+    def __enter__(self) -> None:
+        threads = self._threads
+        if threads > 1:
+            threads = min(threads, cores())
+            if threads > 1:
+                crew().wake(threads - 1)
+        self._before, _now.threads = _now.threads, threads
+
+    def __exit__(self, *_: object) -> None:
+        _now.threads = self._before
 
 
 def sharing(count: int) -> tuple[int, int]:
@@ -140,7 +178,8 @@ def sharing(count: int) -> tuple[int, int]:
     threads = _now.threads
     if threads == 1 or count < 2:
         return 0, 1
-    return crew().board, min(count, MOST_PARTS if threads > crew().helpers else threads)
+    found = crew()
+    return found.board, min(count, MOST_PARTS if threads > found.most else threads)
 
 
 def sharing_rows(count: int) -> tuple[int, int]:
@@ -155,5 +194,11 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
+def _forget() -> None:
+    global _making
+    _making = Lock()
+    _made.cache_clear()
+
+
 if hasattr(os, "register_at_fork"):  # threads do not survive a fork: a child makes its own
-    os.register_at_fork(after_in_child=crew.cache_clear)
+    os.register_at_fork(after_in_child=_forget)

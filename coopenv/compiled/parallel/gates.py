@@ -12,12 +12,12 @@ from numba import types
 
 from coopenv.compiled.kinds import in_llvm
 
-ACQUIRE, RELEASE = range(2)  # entries of `functions`
+ACQUIRE, ACQUIRE_TIMED, RELEASE = range(3)  # entries of `functions`
 
 
 def functions() -> np.ndarray:
-    """Addresses of what `pass_through` and `open_gate` call, in this process."""
-    names = "PyThread_acquire_lock", "PyThread_release_lock"
+    """Addresses of what `pass_through`, `nap` and `open_gate` call, in this process."""
+    names = "PyThread_acquire_lock", "PyThread_acquire_lock_timed", "PyThread_release_lock"
     found = (getattr(ctypes.pythonapi, name) for name in names)
     return np.array([ctypes.cast(one, ctypes.c_void_p).value for one in found], dtype=np.int64)
 
@@ -64,3 +64,19 @@ def open_gate(typingctx, release, gate):
         return context.get_dummy_value()
 
     return types.void(types.intp, types.intp), generate
+
+
+@in_llvm
+def nap(typingctx, acquire_timed, gate, duration):
+    """Sleep ``duration`` [µs] at a gate that nobody opens."""
+    del typingctx
+
+    def generate(context, builder, signature, arguments):
+        del signature
+        word, flag = ir.IntType(64), ir.IntType(32)
+        kind = ir.FunctionType(flag, (word, word, flag))
+        function = builder.inttoptr(arguments[0], kind.as_pointer())
+        builder.call(function, (arguments[1], arguments[2], ir.Constant(flag, 0)))
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp, types.intp), generate

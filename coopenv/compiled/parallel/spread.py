@@ -9,11 +9,14 @@ from numba.core import cgutils
 from coopenv.compiled.kinds import compiled, in_llvm, inlined
 from coopenv.compiled.parallel.board import (
     ARGUMENTS,
+    BED,
     COUNT,
     DONE,
     END_BITS,
+    FAILED,
     JOB_BITS,
     MOST_PARTS,
+    NAP,
     OWNER,
     PARTS,
     TASK,
@@ -23,6 +26,9 @@ from coopenv.compiled.parallel.board import (
     read,
     write,
 )
+from coopenv.compiled.parallel.gates import nap
+
+_PATIENCE, _NAP = 100_000, 50  # looks for the last part, and then [µs] between them
 
 
 @in_llvm
@@ -41,7 +47,7 @@ def _as_task(typingctx, kernel, arguments):
         context.active_code_library.add_linking_library(compiled_kernel.library)
         kept = cgutils.alloca_once_value(builder, values[1])
         bytes_at, word = ir.IntType(8).as_pointer(), ir.IntType(64)
-        kind = ir.FunctionType(ir.VoidType(), (bytes_at, word, word))
+        kind = ir.FunctionType(word, (bytes_at, word, word))
         name = builder.module.get_unique_name(f"{builder.function.name}.task")
         task = ir.Function(builder.module, kind, name=name)
         task.linkage = "internal"
@@ -49,8 +55,8 @@ def _as_task(typingctx, kernel, arguments):
         loaded = inside.load(inside.bitcast(task.args[0], kept.type))
         lent = _lent(context, inside, arguments, loaded)
         given = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, lent)]
-        context.call_internal_no_propagate(inside, compiled_kernel.fndesc, inner, given)
-        inside.ret_void()
+        status, _ = context.call_internal_no_propagate(inside, compiled_kernel.fndesc, inner, given)
+        inside.ret(inside.zext(status.is_error, word))
         addresses = builder.ptrtoint(task, word), builder.ptrtoint(kept, word)
         return context.make_tuple(builder, types.UniTuple(types.intp, 2), addresses)
 
@@ -77,18 +83,17 @@ def _lent(context, builder, kind, value):
 
 @in_llvm
 def _call(typingctx, task, arguments, start, stop):
-    """Call what `_as_task` made, for rows from ``start`` to before ``stop``."""
+    """Call what `_as_task` made, for rows from ``start`` to before ``stop``; 1 if it failed."""
     del typingctx
 
     def generate(context, builder, signature, values):
         del signature
         bytes_at, word = ir.IntType(8).as_pointer(), ir.IntType(64)
-        kind = ir.FunctionType(ir.VoidType(), (bytes_at, word, word))
+        kind = ir.FunctionType(word, (bytes_at, word, word))
         function = builder.inttoptr(values[0], kind.as_pointer())
-        builder.call(function, (builder.inttoptr(values[1], bytes_at), *values[2:]))
-        return context.get_dummy_value()
+        return builder.call(function, (builder.inttoptr(values[1], bytes_at), *values[2:]))
 
-    return types.void(types.intp, types.intp, types.intp, types.intp), generate
+    return types.intp(types.intp, types.intp, types.intp, types.intp), generate
 
 
 @compiled
@@ -103,9 +108,33 @@ def take_part(board, from_front):
     number = front if from_front else back - 1
     count, parts = read(board, COUNT), read(board, PARTS)
     start, stop = number * count // parts, (number + 1) * count // parts
-    _call(read(board, TASK), read(board, ARGUMENTS), start, stop)
+    if _call(read(board, TASK), read(board, ARGUMENTS), start, stop) != 0:
+        write(board, FAILED, 1)
     add(board, DONE, 1)
     return True
+
+
+@compiled
+def _together(board, parts, count, task, kept):
+    """Put a task on the board that is ours, do it with who helps, and leave the board."""
+    write(board, TASK, task)
+    write(board, ARGUMENTS, kept)
+    write(board, COUNT, count)
+    write(board, PARTS, parts)
+    write(board, FAILED, 0)
+    write(board, DONE, 0)
+    number = (read(board, TICKET) >> JOB_BITS) + 1
+    write(board, TICKET, (number << JOB_BITS) + parts)
+    while take_part(board, True):
+        pass
+    looks = 0
+    while read(board, DONE) < parts:
+        looks += 1
+        if looks > _PATIENCE:  # whoever has the last part may wait for this core
+            nap(read(board, NAP), read(board, BED), _NAP)
+    failed = read(board, FAILED)
+    write(board, OWNER, 0)
+    return failed
 
 
 @inlined
@@ -128,20 +157,16 @@ def spread(board, parts, count, kernel, arguments):
         nothing.
     arguments
         Tuple.
+
+    Raises
+    ------
+    MemoryError
+        If a part could not be done: kernels raise nothing else.
     """
     task, kept = _as_task(kernel, arguments)
     if board == 0 or parts <= 1 or not exchanged(board, OWNER, 0, 1):
-        _call(task, kept, 0, count)
-        return
-    write(board, TASK, task)
-    write(board, ARGUMENTS, kept)
-    write(board, COUNT, count)
-    write(board, PARTS, parts)
-    write(board, DONE, 0)
-    number = (read(board, TICKET) >> JOB_BITS) + 1
-    write(board, TICKET, (number << JOB_BITS) + parts)
-    while take_part(board, True):
-        pass
-    while read(board, DONE) < parts:
-        pass
-    write(board, OWNER, 0)
+        failed = _call(task, kept, 0, count)
+    else:
+        failed = _together(board, parts, count, task, kept)
+    if failed != 0:
+        raise MemoryError("memory must suffice for what compiled code works in")

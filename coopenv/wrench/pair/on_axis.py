@@ -62,7 +62,8 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     weights = cost_weights(settings.torque_weight, settings.include_induced)
 
     def solve(applied: FloatArray) -> Answer:
-        board, parts = sharing_rows(len(applied) if applied.ndim == 3 else 0)
+        is_row_by_row = applied.ndim == 3 and axis.shape[:-1] in ((), applied.shape[:1])
+        board, parts = sharing_rows(len(applied) if is_row_by_row else 0)
         if parts == 1:
             return Answer(decompose_on_axis(applied, axis, weights))
         axes, manipulation = np.broadcast_to(axis, (len(applied), 4)), np.empty_like(applied)

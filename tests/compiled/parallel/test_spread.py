@@ -37,7 +37,7 @@ def refused(board, seen):
 @given(count=some.integers(0, 300), parts=some.integers(1, 70), helpers=some.integers(0, 3))
 def test_every_row_is_done_once_by_any_crew(count, parts, helpers):
     crew = _CREWS[helpers]
-    crew.wake()
+    crew.wake(crew.most)
     seen = np.zeros(count, dtype=np.int64)
     for _ in range(20):
         counted(crew.board, parts, seen, 3)
@@ -53,7 +53,7 @@ def test_threads_that_have_work_at_the_same_time_do_not_mix_it_up():
     def work(by: int) -> bool:
         seen = np.zeros(rows, dtype=np.int64)
         for _ in range(2000):
-            crew.wake()
+            crew.wake(crew.most)
             counted(crew.board, 8, seen, by)
         return bool((seen == 2000 * by).all())
 
@@ -66,7 +66,7 @@ def test_helpers_sleep_where_there_is_nothing_to_do_wake_and_end():
     before = threading.active_count()
     crew = Crew(3)
     for _ in range(3):
-        crew.wake()
+        crew.wake(crew.most)
         _wait_until(lambda: crew.awake == 0)
     seen = np.zeros(50, dtype=np.int64)
     counted(crew.board, 5, seen, 1)  # all asleep: done alone
@@ -89,7 +89,7 @@ def test_nothing_is_shared_but_within_a_block_that_says_so():
     with shared(2):
         board, parts = sharing(1000)
         assert board == crew().board
-        assert parts > 1 or not crew().helpers
+        assert parts > 1 or not crew().most
         assert sharing(1) == (0, 1)
         with shared(1):
             assert sharing(1000) == (0, 1)
@@ -99,6 +99,50 @@ def test_nothing_is_shared_but_within_a_block_that_says_so():
 def test_a_kernel_that_returns_something_cannot_be_spread():
     with pytest.raises(TypeError, match="must return nothing"):
         refused(0, np.zeros(3))
+
+
+@compiled
+def fails_late(start, stop, seen):
+    for row in range(start, stop):
+        if row == 57:
+            raise MemoryError("as if there were none")
+        seen[row] += 1
+
+
+@compiled
+def failing(board, parts, seen):
+    spread(board, parts, len(seen), fails_late, (seen,))
+
+
+@pytest.mark.parametrize("parts", [1, 6])
+def test_a_part_that_fails_is_told_and_the_board_is_free_again(parts):
+    crew, seen = _CREWS[2], np.zeros(100, dtype=np.int64)
+    crew.wake(2)
+    with pytest.raises(MemoryError, match="memory must suffice"):
+        failing(crew.board, parts, seen)
+    again = np.zeros(100, dtype=np.int64)
+    counted(crew.board, 6, again, 1)
+    assert (again == 1).all()
+
+
+def test_where_the_system_gives_no_more_threads_fewer_help(monkeypatch):
+    crew = Crew(3)
+    crew.wake(1)
+    monkeypatch.setattr(threading.Thread, "start", _refuse)
+    crew.wake(3)
+    assert crew.most == 1
+    seen = np.zeros(50, dtype=np.int64)
+    counted(crew.board, 5, seen, 1)
+    assert (seen == 1).all()
+
+
+def _refuse(_: threading.Thread) -> None:
+    raise RuntimeError("can't start new thread")
+
+
+def test_a_core_of_one_thread_uses_one_within_the_step_of_another():
+    with shared(2), shared(1):
+        assert sharing(1000) == (0, 1)
 
 
 @needs_fork
