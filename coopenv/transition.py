@@ -113,9 +113,10 @@ class Transition:
         return made
 
     def __getstate__(self) -> dict[str, Any]:
-        computed: dict[str, Any] = {"_decompositions": {}}
-        computed |= {name: [] for name in ("_own", "_measured", "_shares", "_power")}
-        return {**self.__dict__, **computed}  # what is computed when asked for is computed again
+        return {**self.__dict__, **_nothing_computed()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(_nothing_computed(), **state)
 
     @property
     def team(self) -> Team:
@@ -251,6 +252,11 @@ class Transition:
     ) -> "Transition":
         """A copy with ``worlds`` replaced by those of ``other``, in order, under ``conditions``."""
         return replace(_merged(self, worlds, other), conditions=conditions)
+
+
+def _nothing_computed() -> dict[str, Any]:
+    """What is computed when asked for, before it is; a copy computes it again."""
+    return {"_decompositions": {}, "_own": [], "_measured": [], "_shares": [], "_power": []}
 
 
 def _rows(value: Any, worlds: IntArray) -> dict[str, Any]:

@@ -79,7 +79,9 @@ class Together:
             rows.append(row)
         self.names = tuple(terms)[: len(rows)]
         self._kinds = np.array([row.kind for row in rows], dtype=np.int64)
-        self._numbers = np.array([(row.factor, row.discount) for row in rows]).reshape(-1, 2)
+        self._numbers = np.array(
+            [(row.factor, row.discount) for row in rows], dtype=np.float64
+        ).reshape(-1, 2)
         self._reads = [(t, row.read) for t, row in enumerate(rows) if row.read is not None]
 
     def __call__(

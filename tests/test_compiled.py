@@ -155,6 +155,19 @@ def test_a_file_that_changes_between_import_and_first_call_leaves_no_stale_kerne
     assert run(ASK, tmp_path) == "7.0 5.0 5.0 7.0 1 1"
 
 
+def test_fused_helpers_that_change_between_import_and_first_call_leave_no_stale_kernel(tmp_path):
+    helper, user = tmp_path / "fused_helper.py", tmp_path / "fused_user.py"
+    helper.write_text("from coopenv.compiled import fused\n@fused\ndef h(x):\n    return x + 1.0\n")
+    user.write_text(
+        "from coopenv.compiled import fused_entry\nfrom fused_helper import h\n"
+        "@fused_entry\ndef k(x):\n    return h(x)\n"
+    )
+    text = "h = Path('fused_helper.py'); h.write_text(h.read_text().replace('1.0', '2.0'))"
+    early = f"import fused_user; from pathlib import Path; {text}; print(fused_user.k(1.0))"
+    assert run(early, tmp_path) == "2.0"  # what it imported
+    assert run("import fused_user; print(fused_user.k(1.0))", tmp_path) == "3.0"
+
+
 def test_what_is_compiled_anywhere_is_the_same_for_numbers_arrays_and_kernels():
     angles = np.random.default_rng(0).uniform(-20, 20, 200)
     from_arrays = wrapped(angles)

@@ -254,3 +254,19 @@ def test_nobody_who_asks_for_no_decomposition_pays_for_one():
     assert not core.transition._own
     assert info["relative_cost"].shape == (1,)
     assert core.transition._own
+
+
+def test_infos_that_nobody_has_read_compare_as_dictionaries_do():
+    env = gymnasium.make("coopenv/BeamTransport-v0")
+    env.reset(seed=0)
+    one, other = (env.step(np.zeros(6, dtype=np.float32))[4] for _ in "ab")
+    told = [Info.of(told_of({"success": False, "a": value})) for value in (1.0, 1.0, 2.0)]
+    assert told[0] == told[1]
+    assert told[0] != told[2]
+    with pytest.raises(ValueError, match="ambiguous"):
+        assert one == other  # of arrays, as with any dictionary
+
+
+def told_of(entries: dict[str, Any]) -> Any:
+    """A source of entries: a dictionary has all that one needs."""
+    return entries

@@ -23,14 +23,25 @@ _imported: dict[str, tuple[int, int]] = {}  # files that kernels come from, as t
 def known(function: Callable[..., Any]) -> Callable[..., Any]:
     """Remember a function whose code goes into the cache, or into what does."""
     KERNELS.add(function)
-    _PACKAGES.add(function.__module__.partition(".")[0])
     seen(function)
     return function
 
 
 def seen(function: Callable[..., Any]) -> None:
-    """Remember what the file of a function is like as it is imported."""
-    file = function.__code__.co_filename
+    """Remember what the file of a function is like as it is imported.
+
+    So are those of the named tuples that it can use.
+    """
+    _PACKAGES.add(function.__module__.partition(".")[0])
+    _note(function.__code__.co_filename)
+    for value in function.__globals__.values():
+        if _is_named_tuple(value):
+            file = getattr(sys.modules.get(value.__module__), "__file__", None)
+            if file and file not in _imported:
+                _note(file)
+
+
+def _note(file: str) -> None:
     if os.path.isfile(file):
         _imported[file] = _age(file)
 
@@ -115,9 +126,13 @@ def _home(value: Any) -> str | None:
         return value.py_func.__module__
     if isinstance(value, FunctionType) and value in ANYWHERE:
         return value.__module__
-    if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
+    if _is_named_tuple(value):
         return value.__module__
     return getattr(getattr(value, "_defn", None), "__module__", None)
+
+
+def _is_named_tuple(value: Any) -> bool:
+    return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields")
 
 
 def _content(module: ModuleType) -> bytes:

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from numba import njit
 from numba.extending import intrinsic, register_jitable
 
-from coopenv.compiled.dependencies import ANYWHERE, known
+from coopenv.compiled.dependencies import ANYWHERE, known, seen
 from coopenv.compiled.parts import also_part, part
 from coopenv.compiled.universal import Universal
 
@@ -39,11 +39,13 @@ def anywhere(function: Kernel) -> Kernel:
 
 def fused(function: Callable[..., Any]) -> Any:
     """Compile a helper of kernels in which products and sums may be fused."""
+    seen(function)
     return part(function, **_FUSED)
 
 
 def fused_inlined(function: Callable[..., Any]) -> Any:
     """Compile such a helper into each kernel that calls it."""
+    seen(function)
     return part(function, **_FUSED, forceinline=True)
 
 
@@ -57,6 +59,7 @@ def in_llvm(function: Callable[..., Any]) -> Any:
 
     Its first parameter comes from numba, the others from the caller: no type checker can know.
     """
+    seen(function)
     return intrinsic(function)
 
 

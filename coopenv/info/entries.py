@@ -126,11 +126,26 @@ class _Completed:
         return self._of_dict.__get__(info)
 
 
+def _compared(name: str) -> Any:
+    """`dict.__eq__`, say, of all entries of both."""
+    of_dict = getattr(dict, name)
+
+    def compare(info: Info, other: object) -> Any:
+        info.complete()
+        if isinstance(other, Info):
+            other.complete()
+        return of_dict(info, other)
+
+    return compare
+
+
 for _name in (
-    "__iter__", "__reversed__", "__len__", "__eq__", "__ne__", "__or__", "__ror__", "__ior__",
+    "__iter__", "__reversed__", "__len__", "__or__", "__ror__", "__ior__",
     "__repr__", "__setitem__", "__delitem__", "__sizeof__", "clear", "items", "keys", "pop",
     "popitem", "setdefault", "update", "values",
 ):  # fmt: skip
     setattr(Info, _name, _Completed(_name))
+for _name in ("__eq__", "__ne__"):
+    setattr(Info, _name, _compared(_name))
 
 register_dictionary(Info)

@@ -53,11 +53,12 @@ def warmup(report: Callable[[int, int, str], None] | None = None) -> Warmed:
 def _folder() -> str | None:
     """The folder that all kernels lie under, each beside its source or all of them elsewhere."""
     one = is_finite.stats.cache_path
-    chosen = vars(config)["CACHE_DIR"]
-    if one is None or chosen:
-        return None if one is None else chosen
-    package = Path(__file__).parents[1]
-    return str(package if Path(one).is_relative_to(package) else Path(one).parent)
+    if one is None:
+        return None
+    folders = [vars(config)["CACHE_DIR"], str(Path(__file__).parents[1])]
+    return next(
+        (at for at in folders if at and Path(one).is_relative_to(at)), str(Path(one).parent)
+    )
 
 
 class _Counter(event.Listener):
