@@ -38,7 +38,7 @@ from coopenv.transition import Transition
 Rectangle = tuple[tuple[float, float], tuple[float, float]]  # lower left and upper right corner [m]
 
 GUIDES = ("both", "one", "none")
-_TRIES = 100
+_TRIES = 10_000
 
 
 def _read_gap(transition: Transition) -> FloatArray:
@@ -237,7 +237,7 @@ class DoorwayTask(PoseTask):
             raise InvalidInput(
                 f"task.{name} must have room for the body with clearance, got "
                 f"{getattr(self, name)} and {len(scene.obstacles)} obstacles in the scene, where a "
-                "thousand random poses do not fit; enlarge it, or take away scene.obstacles"
+                "ten thousand random poses do not fit; enlarge it, or take away scene.obstacles"
             )
         return pose
 

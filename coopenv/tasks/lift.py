@@ -56,7 +56,7 @@ DOWN = Block(
 )
 
 
-_TRIES = 100
+_TRIES = 10_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Pose, Task
 
-_TRIES = 1000
+_TRIES = 10_000  # so many that what one reset finds, others find
 _OR_ZERO = ("clearance", "min_distance")
 
 
@@ -66,7 +66,7 @@ def free_pose(
 ) -> Pose | None:
     """A random pose in which the body lies between two corners (x, y) [m] and off all obstacles.
 
-    Uniform in the angle, then in the place; ``None`` where a thousand tries found none.
+    Uniform in the angle, then in the place; ``None`` where ten thousand tries found none.
     """
     for _ in range(_TRIES):
         across, up, turn = generator.random(3).tolist()

@@ -12,7 +12,7 @@ from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.pose import PoseTask, free_pose
 
-_TRIES = 1000
+_TRIES = 10_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,5 +63,5 @@ class TransportTask(PoseTask):
             return pose
         raise InvalidInput(
             f"scene.obstacles must leave room for the body, got {len(scene.obstacles)} obstacles "
-            f"in which a thousand random poses all collide; remove some or enlarge the room"
+            f"in which ten thousand random poses all collide; remove some or enlarge the room"
         )

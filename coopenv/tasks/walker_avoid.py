@@ -19,7 +19,7 @@ from coopenv.tasks.nearest import NEAREST
 from coopenv.tasks.rolling import RollingTask, rolling_distance
 from coopenv.tasks.transport import TransportTask
 
-_TRIES, _BLOCK = 4000, 100
+_TRIES, _BLOCK = 20_000, 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,7 @@ from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.rolling import RollingTask
 from coopenv.tasks.transport import TransportTask
 
-_TRIES, _BLOCK = 2000, 50
+_TRIES, _BLOCK = 20_000, 50
 _STEPS = 32  # points of a way at which the body must have room
 
 

@@ -35,6 +35,14 @@ def refused(said, body=None, scene=HALL, **fields):
         Transport(task=DoorwayTask(**fields), scene=scene, body=body or Body())
 
 
+def test_a_room_in_which_few_layouts_are_free_is_drawn_at_every_reset():
+    # a box that leaves about one layout in sixty: what one draw found, two hundred find
+    narrow = Scene(size=(7.0, 4.0), obstacles=(Box(center=(0.0, -0.7), size=(0.2, 2.6)),))
+    core, state = started(scene=narrow)
+    assert len(state.pose) == 200
+    assert core.conditions.plan[:, GAP_Y].min() > 0.85
+
+
 def test_every_episode_has_a_layout_of_its_own_within_the_ranges():
     core, _ = started()
     plan = core.conditions.plan
