@@ -110,8 +110,7 @@ def test_the_pettingzoo_views_pass_its_render_test(module):
     render_test(module.env)
 
 
-@EVERY_ID
-@EVERY_MODULE
+@pytest.mark.parametrize(("view", "module"), PARALLEL.items(), ids=PARALLEL)
 def test_views_are_what_the_ecosystem_takes_them_for(view, module):
     assert isinstance(gymnasium.make(view).unwrapped, gymnasium.Env)
     assert isinstance(gymnasium.make_vec(view, num_envs=2), VectorEnv)

@@ -167,7 +167,9 @@ def wanted(told: Any, name: str) -> set[str]:
     return {key for key in told if marked or not key.startswith("_")}
 
 
-@EVERY_ID
+@pytest.mark.parametrize(  # a process that imports everything anew takes seconds
+    "view", [IDS[0], *(pytest.param(view, marks=pytest.mark.slow) for view in IDS[1:])]
+)
 def test_a_vector_of_processes_that_begin_anew_is_the_one_in_this_process(view):
     keywords: dict[str, Any] = {"num_envs": 1, "horizon": 3, "task": EASY_TASKS[view]}
     apart: Any = gymnasium.make_vec(
