@@ -184,12 +184,11 @@ def test_nothing_of_pygame_starts_without_pictures_and_no_sound_with_them(view, 
     env.close()
 
 
-@EVERY_ID
 @pytest.mark.skipif(not DRAWS, reason="needs coopenv[render]")
-def test_videos_of_both_views_are_written(view, tmp_path, monkeypatch):
+def test_videos_of_both_views_are_written(tmp_path, monkeypatch):
     pytest.importorskip("moviepy")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    module, keywords = PARALLEL[view], {"render_mode": "rgb_array", "horizon": 3, "task": NEVER}
+    module, keywords = PARALLEL[IDS[0]], {"render_mode": "rgb_array", "horizon": 3, "task": NEVER}
     kinds: list[tuple[Any, Any, Any]] = [
         (wrappers.RecordVideo, module.env, turns),
         (wrappers.RecordVideoParallel, module.parallel_env, rounds),

@@ -12,9 +12,10 @@ from pathlib import Path
 
 import pytest
 
-tyro = pytest.importorskip("tyro")
+pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
+import tyro
 from rich.console import Console
 
 from benchmarks.soak import actions, command, memory
@@ -73,7 +74,7 @@ def start(folder: Path, *options: str) -> subprocess.Popen[str]:
 
 
 def run_here(folder: Path, *options: str) -> tuple[int, str]:
-    """What the command returns and prints, without a process of its own; its workers have theirs."""
+    """What the command returns and prints, in this process; its workers have their own."""
     told = io.StringIO()
     soak = tyro.cli(command.Soak, args=[*ALSO, "--out", str(folder), *options])
     return command.run(soak, Console(file=told, width=200)), told.getvalue()
