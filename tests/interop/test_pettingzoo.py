@@ -15,7 +15,7 @@ from pettingzoo.utils.conversions import (
 from pettingzoo.utils.random_demo import random_demo
 
 from tests.helpers import EASY_TASKS, IDS, NEVER, PARALLEL
-from tests.interop.cases import DRAWS
+from tests.interop.cases import DRAWS, around_ids
 
 EVERY_ID = pytest.mark.parametrize("view", IDS)
 
@@ -101,8 +101,7 @@ def test_every_wrapper_of_pettingzoos_is_tried_or_named():
     assert set(wrappers.__all__) <= {*AROUND, *AROUND_PARALLEL, *OTHERS}
 
 
-@EVERY_ID
-@pytest.mark.parametrize("name", [*AROUND, *AROUND_PARALLEL])
+@pytest.mark.parametrize(("view", "name"), around_ids([*AROUND, *AROUND_PARALLEL]))
 def test_a_wrapped_environment_plays_as_the_bare_one(view, name):
     parallel = name in AROUND_PARALLEL
     make = PARALLEL[view].parallel_env if parallel else PARALLEL[view].env
