@@ -18,8 +18,10 @@ lint: .venv/dev
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports --no-cache
 
+# What every process of the tests would else do for itself: kernels, and bytecode, rewritten assertions included.
 kernels: .venv/dev
 	$(BIN)/coopenv warmup
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --collect-only --quiet >/dev/null
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
@@ -36,10 +38,11 @@ mutants: .venv/dev
 matrix: .venv/dev
 	$(BIN)/python -m benchmarks.matrix $(ARGS)
 
+# Bytecode is made on all cores, by pip it would be on one; some files of others are templates and no Python.
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --no-compile --constraint constraints.txt --editable ".[$(if $(filter dev,$*),dev,train,render)]"
-	$(BIN)/python -m compileall -qq -j 0 .venv/lib || true  # on all cores, as pip does on one; templates are no Python
+	$(BIN)/python -m compileall -qq -j 0 .venv/lib || true
 	touch $@
 
 clean:
