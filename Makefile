@@ -1,22 +1,27 @@
-# make train | test | lint | bench | interop | matrix | soak | mutants: each makes .venv, installs what it
-# needs, and runs.
+# make train | test | lint | kernels | bench | interop | matrix | soak | mutants: each makes .venv, installs
+# what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 
-.PHONY: train test lint bench interop matrix soak mutants clean
+.PHONY: train test lint kernels bench interop matrix soak mutants clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
 
 test: .venv/dev
-	$(BIN)/python -m pytest -n 2 $(ARGS)
+	$(BIN)/python -m pytest -n 2 --dist worksteal $(ARGS)
 
 lint: .venv/dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports --no-cache
+
+# What every process of the tests would else do for itself: kernels, and bytecode, rewritten assertions included.
+kernels: .venv/dev
+	$(BIN)/coopenv warmup
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --collect-only --quiet >/dev/null
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
@@ -33,9 +38,11 @@ mutants: .venv/dev
 matrix: .venv/dev
 	$(BIN)/python -m benchmarks.matrix $(ARGS)
 
+# Bytecode is made on all cores, by pip it would be on one; some files of others are templates and no Python.
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable ".[$(if $(filter dev,$*),dev,train,render)]"
+	$(BIN)/pip install --quiet --no-compile --constraint constraints.txt --editable ".[$(if $(filter dev,$*),dev,train,render)]"
+	$(BIN)/python -m compileall -qq -j 0 .venv/lib || true
 	touch $@
 
 clean:

@@ -3,6 +3,7 @@
 SIGTERM is what Slurm, docker and init send before they kill.
 """
 
+import gc
 import os
 import signal
 import threading
@@ -108,10 +109,11 @@ def _send(number: int) -> None:
 
 
 def _is_in_destructor(frame: FrameType | None) -> bool:
-    """Whether a ``__del__``, a weak reference's callback or one of pymunk's is at work."""
+    """Whether a ``__del__`` or a callback, of a weak reference, pymunk or ``gc``, is at work."""
+    of_gc = [getattr(one, "__code__", None) for one in gc.callbacks]
     while frame is not None:
         name, module = frame.f_code.co_name, str(frame.f_globals.get("__name__"))
-        if name == "__del__" or module in ("weakref", "_weakrefset"):
+        if frame.f_code in of_gc or name == "__del__" or module in ("weakref", "_weakrefset"):
             return True
         if name.startswith("free") and module.partition(".")[0] == "pymunk":
             return True

@@ -20,7 +20,7 @@ RUN = [
 
 
 @pytest.fixture
-def drawn(tmp_path, monkeypatch):
+def drawn(tmp_path, monkeypatch, undrawn):
     """A picture of runs: its panels by title."""
 
     def draw(runs):
@@ -31,7 +31,7 @@ def drawn(tmp_path, monkeypatch):
             return save(figure, *given, **said)
 
         monkeypatch.setattr(Figure, "savefig", watched)
-        curves.draw(runs, tmp_path / "curves.png")
+        undrawn(runs, tmp_path / "curves.png")
         assert (tmp_path / "curves.png").read_bytes().startswith(b"\x89PNG")
         return {axes.get_title(): axes for axes in seen[0].axes}
 

@@ -14,6 +14,7 @@ import torch
 from stable_baselines3 import PPO
 
 from coopenv import TransportConfig
+from coopenv.agents import curves
 from coopenv.agents.curves import PANELS
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.partners import Stubborn
@@ -28,7 +29,8 @@ def weights(policy) -> list[np.ndarray]:
     return [value.numpy().copy() for value in policy.model.policy.state_dict().values()]
 
 
-def test_a_run_leaves_policy_configuration_curves_and_logs(tmp_path):
+def test_a_run_leaves_policy_configuration_curves_and_logs(tmp_path, undrawn, monkeypatch):
+    monkeypatch.setattr(curves, "draw", undrawn)
     config = tiny(tmp_path, environment=EnvironmentChoice(reward="harmony"))
     rows = []
     train(config, environment=replace(SHORT, reward="harmony"), report=rows.append)

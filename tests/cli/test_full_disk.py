@@ -8,6 +8,7 @@ pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
 from coopenv import cli
+from coopenv.agents import curves
 from coopenv.agents.training.checkpoint import Checkpoint
 from tests.cli.test_program import TINY
 from tests.logs import cases
@@ -51,7 +52,8 @@ def test_a_training_names_what_it_could_not_write(size, named, tmp_path, run):
     assert not halves(tmp_path)
 
 
-def test_curves_that_find_no_room_lose_no_policy(tmp_path, run):
+def test_curves_that_find_no_room_lose_no_policy(tmp_path, run, undrawn, monkeypatch):
+    monkeypatch.setattr(curves, "draw", undrawn)
     run(60_000, "train", *TINY, "--checkpoint-every=1", "--episodes=2", f"--out={tmp_path}")
     assert Checkpoint.read(tmp_path / "policy.zip").progress.steps == 64
     assert not halves(tmp_path)

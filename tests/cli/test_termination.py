@@ -190,6 +190,20 @@ def test_a_signal_that_finds_a_destructor_at_work_is_not_swallowed(number):
     assert (ended(held.clear).since is not None) == (number == signal.SIGTERM)
 
 
+def test_a_signal_that_finds_a_callback_of_the_garbage_collector_is_not_swallowed():
+    left = [signal.SIGTERM]
+
+    def callback(phase, info):
+        while left:
+            struck(left.pop())
+
+    gc.callbacks.append(callback)
+    try:
+        assert ended(lambda: None).since is not None
+    finally:
+        gc.callbacks.remove(callback)
+
+
 def test_a_signal_that_finds_pymunk_freeing_a_body_is_not_swallowed(monkeypatch):
     from pymunk import body
 

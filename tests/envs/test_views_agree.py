@@ -195,11 +195,16 @@ VECTORED = {
 }
 
 
+MODES = list(AutoresetMode)
+
+
 @pytest.mark.parametrize(
-    ("view", "name"),
-    [(view, name) for view in IDS for name in (VECTORED if view == IDS[0] else ["own task"])],
+    ("view", "name", "mode"),
+    [
+        *((IDS[0], name, mode) for name in VECTORED for mode in MODES),
+        *((view, "own task", MODES[k % len(MODES)]) for k, view in enumerate(IDS[1:])),
+    ],
 )
-@pytest.mark.parametrize("mode", list(AutoresetMode), ids=lambda mode: mode.name)
 def test_the_vector_view_behaves_as_gymnasiums_own_over_single_ones(view, name, mode):
     count, within = 4, 1e-5  # float32 observations of up to 100 m
     keywords = {"horizon": 9, "task": EASY_TASKS[view], **VECTORED.get(name, {})}

@@ -1,11 +1,21 @@
 """What the tests of other libraries share."""
 
 import importlib.util
+from collections.abc import Iterable
+from itertools import cycle
 from typing import Any
 
 import gymnasium
 
+from tests.helpers import IDS
+
 DRAWS = all(importlib.util.find_spec(name) for name in ("coopenv.render", "pygame"))
+
+
+def around_ids(names: Iterable[str]) -> list[tuple[str, str]]:
+    """(id, name) for what does not look at the task: each name with the first id and another."""
+    others = cycle(IDS[1:])
+    return [(view, name) for name in names for view in (IDS[0], next(others))]
 
 
 def drawn_actions(env: Any, steps: int, seed: int = 1) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Gymnasium's vectors of every id: its wrappers around them, and worker processes."""
+"""Gymnasium's vectors: its wrappers around them, and worker processes."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,11 +12,10 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import vector as vectors
 
 from tests.helpers import EASY_TASKS, IDS
-from tests.interop.cases import drawn_actions
+from tests.interop.cases import around_ids, drawn_actions
 
 SCALE: Any = (-3.0, 2.0)
 Wrap = Callable[[Any], Any]
-EVERY_ID = pytest.mark.parametrize("view", IDS)
 
 # Wrappers of both kinds: (vector's, single's); around many worlds they do what the single one does.
 BATCHED: dict[str, tuple[Wrap, Wrap]] = {
@@ -100,12 +99,11 @@ def span(space: Any) -> tuple[Any, Any]:
     return low.astype(np.float32), high.astype(np.float32)
 
 
-@EVERY_ID
 @pytest.mark.parametrize(
-    ("name", "mode"),
+    ("view", "name", "mode"),
     [
-        (name, mode)
-        for name in BATCHED
+        (view, name, mode)
+        for view, name in around_ids(BATCHED)
         for mode in ("NextStep", "SameStep")
         if mode == "NextStep" or not name.endswith("Observation")  # Gymnasium refuses these
     ],
@@ -145,8 +143,7 @@ def equal(mine: Any, wanted: Any) -> bool:
     )
 
 
-@EVERY_ID
-@pytest.mark.parametrize("name", VECTORS_ONLY)
+@pytest.mark.parametrize(("view", "name"), around_ids(VECTORS_ONLY))
 def test_a_vector_takes_the_wrappers_that_only_vectors_have(view, name):
     env = VECTORS_ONLY[name](gymnasium.make_vec(view, num_envs=3, horizon=6))
     plain: Any = gymnasium.make_vec(view, num_envs=3, horizon=6)
@@ -167,7 +164,9 @@ def wanted(told: Any, name: str) -> set[str]:
     return {key for key in told if marked or not key.startswith("_")}
 
 
-@EVERY_ID
+@pytest.mark.parametrize(  # a process that imports everything anew takes seconds
+    "view", [IDS[0], *(pytest.param(view, marks=pytest.mark.slow) for view in IDS[1:])]
+)
 def test_a_vector_of_processes_that_begin_anew_is_the_one_in_this_process(view):
     keywords: dict[str, Any] = {"num_envs": 1, "horizon": 3, "task": EASY_TASKS[view]}
     apart: Any = gymnasium.make_vec(

@@ -1,4 +1,4 @@
-"""Every wrapper of Gymnasium's that fits a box of numbers, around every id."""
+"""Every wrapper of Gymnasium's that fits a box of numbers, and every id in several of them."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,8 +9,8 @@ import pytest
 from gymnasium import wrappers
 from gymnasium.utils.env_checker import data_equivalence
 
-from tests.helpers import EASY_TASKS, IDS
-from tests.interop.cases import DRAWS, drawn_actions, names
+from tests.helpers import EASY_TASKS
+from tests.interop.cases import DRAWS, around_ids, drawn_actions, names
 
 Wrap = Callable[[Any], Any]
 
@@ -80,8 +80,6 @@ ELSEWHERE = {  # in libraries/gymnasium.py, since they need more packages than o
 UNFIT = {"AtariPreprocessing", "JaxToNumpy", "JaxToTorch"}  # an emulator; an environment in JAX
 
 KNOWN = [name for name in wrappers.__all__ if name in PLAIN or (DRAWS and name in DRAWN)]
-EVERY_WRAPPER = pytest.mark.parametrize("name", KNOWN)
-EVERY_ID = pytest.mark.parametrize("view", IDS)
 
 
 def test_every_wrapper_of_gymnasiums_is_tried_or_named():
@@ -94,8 +92,7 @@ def made(view: str, name: str, **keywords: Any) -> Any:
     return gymnasium.make(view, **keywords)
 
 
-@EVERY_ID
-@EVERY_WRAPPER
+@pytest.mark.parametrize(("view", "name"), around_ids(KNOWN))
 def test_a_wrapped_environment_keeps_its_spaces_seed_and_infos(view, name, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     wrap = {**PLAIN, **DRAWN}[name]

@@ -9,7 +9,7 @@ import pytest
 from tests.helpers import EASY_TASKS, IDS, PARALLEL, actions, constant
 
 EVERY_ID = pytest.mark.parametrize("view", IDS)
-STEPS = 1000
+STEPS = 400
 
 
 def check_stacked(infos: list[dict[str, Any]]) -> None:
@@ -24,8 +24,8 @@ def check_stacked(infos: list[dict[str, Any]]) -> None:
 
 
 @EVERY_ID
-def test_infos_of_a_thousand_steps_and_their_resets_stack_in_the_gymnasium_view(view):
-    env = gymnasium.make(view, task=EASY_TASKS[view], horizon=60, disable_env_checker=True)
+def test_infos_of_hundreds_of_steps_and_their_resets_stack_in_the_gymnasium_view(view):
+    env = gymnasium.make(view, task=EASY_TASKS[view], horizon=30, disable_env_checker=True)
     infos = [env.reset(seed=0)[1]]
     for action in actions(0, STEPS, *constant(env).shape).astype(np.float32):
         *_, terminated, truncated, info = env.step(action)
@@ -37,8 +37,8 @@ def test_infos_of_a_thousand_steps_and_their_resets_stack_in_the_gymnasium_view(
 
 
 @EVERY_ID
-def test_infos_of_a_thousand_steps_and_their_resets_stack_in_the_pettingzoo_view(view):
-    env = PARALLEL[view].parallel_env(task=EASY_TASKS[view], horizon=60)
+def test_infos_of_hundreds_of_steps_and_their_resets_stack_in_the_pettingzoo_view(view):
+    env = PARALLEL[view].parallel_env(task=EASY_TASKS[view], horizon=30)
     infos = [env.reset(seed=0)[1]]
     agents = env.possible_agents
     for row in actions(0, STEPS, len(agents), *env.action_space(agents[0]).shape):
@@ -52,9 +52,9 @@ def test_infos_of_a_thousand_steps_and_their_resets_stack_in_the_pettingzoo_view
 
 @EVERY_ID
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-def test_infos_of_a_thousand_steps_stack_in_the_vector_view(view, mode):
+def test_infos_of_hundreds_of_steps_stack_in_the_vector_view(view, mode):
     env = gymnasium.make_vec(
-        view, num_envs=4, task=EASY_TASKS[view], horizon=60, autoreset_mode=mode
+        view, num_envs=4, task=EASY_TASKS[view], horizon=30, autoreset_mode=mode
     )
     infos = [env.reset(seed=0)[1]]
     ends = 0

@@ -15,7 +15,7 @@ from pettingzoo.utils.conversions import (
 from pettingzoo.utils.random_demo import random_demo
 
 from tests.helpers import EASY_TASKS, IDS, NEVER, PARALLEL
-from tests.interop.cases import DRAWS
+from tests.interop.cases import DRAWS, around_ids
 
 EVERY_ID = pytest.mark.parametrize("view", IDS)
 
@@ -101,8 +101,7 @@ def test_every_wrapper_of_pettingzoos_is_tried_or_named():
     assert set(wrappers.__all__) <= {*AROUND, *AROUND_PARALLEL, *OTHERS}
 
 
-@EVERY_ID
-@pytest.mark.parametrize("name", [*AROUND, *AROUND_PARALLEL])
+@pytest.mark.parametrize(("view", "name"), around_ids([*AROUND, *AROUND_PARALLEL]))
 def test_a_wrapped_environment_plays_as_the_bare_one(view, name):
     parallel = name in AROUND_PARALLEL
     make = PARALLEL[view].parallel_env if parallel else PARALLEL[view].env
@@ -184,12 +183,11 @@ def test_nothing_of_pygame_starts_without_pictures_and_no_sound_with_them(view, 
     env.close()
 
 
-@EVERY_ID
 @pytest.mark.skipif(not DRAWS, reason="needs coopenv[render]")
-def test_videos_of_both_views_are_written(view, tmp_path, monkeypatch):
+def test_videos_of_both_views_are_written(tmp_path, monkeypatch):
     pytest.importorskip("moviepy")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    module, keywords = PARALLEL[view], {"render_mode": "rgb_array", "horizon": 3, "task": NEVER}
+    module, keywords = PARALLEL[IDS[0]], {"render_mode": "rgb_array", "horizon": 3, "task": NEVER}
     kinds: list[tuple[Any, Any, Any]] = [
         (wrappers.RecordVideo, module.env, turns),
         (wrappers.RecordVideoParallel, module.parallel_env, rounds),

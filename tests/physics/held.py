@@ -41,6 +41,7 @@ class Held:
         self.grips = np.array([body.grips for body in self.bodies])
         pose = np.broadcast_to(np.array(self.pose, dtype=float), (shape[0], 3)).copy()
         self.world.place(np.arange(shape[0]), pose)
+        self.springs = np.ascontiguousarray(self.springs)  # else kernels are compiled anew
         self.limit = np.broadcast_to(np.array(self.limits, dtype=float), (*shape, 2)).copy()
         self.velocity, self.held = np.zeros((*shape, 3)), np.zeros((*shape, 3))
         self.reference = np.concatenate(

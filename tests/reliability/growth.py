@@ -63,13 +63,6 @@ def growth(trial: Callable[[], object], *, warm_up: int, times: int) -> Growth:
     """What ``times`` calls of ``trial`` add to what ``warm_up`` calls before them left."""
     gc.collect()
     gc.freeze()  # what was there before is not searched again and again, which takes long
-    try:
-        return _growth(trial, warm_up, times)
-    finally:
-        gc.unfreeze()
-
-
-def _growth(trial: Callable[[], object], warm_up: int, times: int) -> Growth:
     for _ in range(warm_up):
         trial()
     memory()

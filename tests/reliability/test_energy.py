@@ -34,18 +34,18 @@ WALKERS = Ranges(
 )
 UPRIGHT = Scene(gravity=(0.0, -9.81))
 CASES: dict[str, tuple[str, int, int, dict[str, Any]]] = {  # id, seed, steps, keywords
-    **{name.removeprefix("coopenv/"): (name, 0, 800, {}) for name in IDS},
-    "noisy human": (AVOID, 0, 800, {"partner": "noisy", "partner_agents": (0,)}),
-    "random beams": (CARRY, 0, 600, {"randomise": BEAMS}),
-    "random beams in a gap": (DOORWAY, 0, 600, {"randomise": BEAMS}),
-    "random walkers": (TURN, 1, 600, {"randomise": WALKERS, "force_limit": 100.0}),
-    "no drag": (CARRY, 0, 400, {"body": Body(linear_drag=0.0, angular_drag=0.0)}),
-    "upright": (CARRY, 0, 400, {"scene": UPRIGHT, "force_limit": 80.0, "randomise": BEAMS}),
-    "on rough ground": (CARRY, 0, 400, {"body": Body(ground_friction=0.2)}),
-    "two corners at once": (CARRY, 0, 400, {"scene": Scene(size=(2.3, 2.3))}),
-    "among boxes": (CARRY, 0, 400, {"scene": CLUTTERED}),
-    "coarse steps": (DOORWAY, 0, 400, {"dt": 0.1, "substeps": 1}),
-    "fine steps": (DOORWAY, 0, 600, {"dt": 0.05, "substeps": 5}),
+    **{name.removeprefix("coopenv/"): (name, 0, 400, {}) for name in IDS},
+    "noisy human": (AVOID, 0, 400, {"partner": "noisy", "partner_agents": (0,)}),
+    "random beams": (CARRY, 0, 300, {"randomise": BEAMS}),
+    "random beams in a gap": (DOORWAY, 0, 300, {"randomise": BEAMS}),
+    "random walkers": (TURN, 1, 300, {"randomise": WALKERS, "force_limit": 100.0}),
+    "no drag": (CARRY, 0, 250, {"body": Body(linear_drag=0.0, angular_drag=0.0)}),
+    "upright": (CARRY, 0, 250, {"scene": UPRIGHT, "force_limit": 80.0, "randomise": BEAMS}),
+    "on rough ground": (CARRY, 0, 250, {"body": Body(ground_friction=0.2)}),
+    "two corners at once": (CARRY, 0, 250, {"scene": Scene(size=(2.3, 2.3))}),
+    "among boxes": (CARRY, 0, 250, {"scene": CLUTTERED}),
+    "coarse steps": (DOORWAY, 0, 250, {"dt": 0.1, "substeps": 1}),
+    "fine steps": (DOORWAY, 0, 300, {"dt": 0.05, "substeps": 5}),
 }
 
 

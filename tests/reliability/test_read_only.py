@@ -91,6 +91,15 @@ def fill(folder: Path, **variables: str) -> None:
     )
 
 
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory) -> Path:
+    """A folder with kernels and their cache, to be copied."""
+    folder = tmp_path_factory.mktemp("filled")
+    (folder / "kernels.py").write_text(KERNELS)
+    fill(folder)
+    return folder
+
+
 def test_kernels_of_a_read_only_folder_are_compiled_in_memory_and_it_is_said_once(tmp_path):
     folder = tmp_path / "site"
     folder.mkdir()
@@ -113,25 +122,22 @@ def test_kernels_of_a_read_only_folder_are_kept_where_the_variable_says(tmp_path
 
 @pytest.mark.parametrize("variable", ["NUMBA_CACHE_DIR", None])
 def test_kernels_that_were_kept_before_a_folder_became_read_only_are_not_compiled_again(
-    tmp_path, variable
+    tmp_path, variable, filled
 ):
-    folder = tmp_path / "site"
+    folder = shutil.copytree(filled, tmp_path / "site")
     kept = folder / ("cache" if variable else "__pycache__")
-    folder.mkdir()
-    (folder / "kernels.py").write_text(KERNELS)
     where = {variable: str(kept)} if variable else {}
-    fill(folder, **where)
+    if variable:
+        shutil.rmtree(folder / "__pycache__")
+        fill(folder, **where)
     assert len(list(kept.rglob("*kernels.t*.nbi"))) == 3  # function, gufunc and its loop
     again = run_read_only(COUNT, folder, **where)
     assert (again.stdout, again.stderr) == ("6.0 3.0 0\n", "")
 
 
-def test_what_a_read_only_cache_lacks_is_compiled_once_and_kept_in_the_home(tmp_path):
-    folder, home = tmp_path / "site", tmp_path / "home"
-    for path in (folder, home):
-        path.mkdir()
-    (folder / "kernels.py").write_text(KERNELS)
-    fill(folder)
+def test_what_a_read_only_cache_lacks_is_compiled_once_and_kept_in_the_home(tmp_path, filled):
+    folder, home = shutil.copytree(filled, tmp_path / "site"), tmp_path / "home"
+    home.mkdir()
     of_integers = COUNT.replace("twice(3.0)", "twice(3)")
     told = [run_read_only(of_integers, folder, HOME=str(home)) for _ in range(2)]
     assert [one.stderr for one in told] == ["", ""]

@@ -14,13 +14,14 @@ from tests.helpers import IDS, actions, assert_same
 COUNT = 600  # worlds; in three shards, of which one is smaller
 
 
-@pytest.mark.parametrize("action", ["wrench", "motion"])
-@pytest.mark.parametrize("view", IDS)
+@pytest.mark.parametrize(  # hands move the worlds of every id alike
+    ("view", "action"), [*((view, "wrench") for view in IDS), (IDS[0], "motion")]
+)
 def test_one_thread_and_many_give_the_same_bits(view, action):
     config = find_config(view, {"action": action, "horizon": 7})
     one, many = (Transport(num_worlds=COUNT, config=config, threads=n) for n in (1, 3))
     assert_same(one.reset(seed=0), many.reset(seed=0))
-    for given in actions(0, 12, *one.action_shape):
+    for given in actions(0, 10, *one.action_shape):
         assert one.transition is not None
         again = one.transition.truncated | one.transition.terminated
         assert_same(one.step(given, restart=again), many.step(given, restart=again))
