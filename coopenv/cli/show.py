@@ -113,10 +113,16 @@ class Show:
                 "applied and grips must both be given, or a file with a row, for example: "
                 "coopenv show --grips -0.9 0 0.9 0 --applied 3 0 0 -1 0 0"
             )
-        dimension = 2 if 2 * len(self.applied) == 3 * len(self.grips) else 3
-        grips = _shaped(self.grips, "grips", (-1, dimension))
-        size = 3 if dimension == 2 else 6
-        return _shaped(self.applied, "applied", (len(grips), size)), grips, ""
+        for dimension, size in ((2, 3), (3, 6)):
+            count, rest = divmod(len(self.grips), dimension)
+            if count and not rest and len(self.applied) == count * size:
+                grips = np.array(self.grips, dtype=np.float64).reshape(count, dimension)
+                return _shaped(self.applied, "applied", (count, size)), grips, ""
+        raise InvalidInput(
+            "grips and applied must have 2 and 3 numbers for each effector, in space 3 and 6, got "
+            f"{len(self.grips)} and {len(self.applied)}; for example: --grips -0.9 0 0.9 0 "
+            "--applied 3 0 0 -1 0 0"
+        )
 
     def _recorded(self, file: Path) -> tuple[FloatArray, FloatArray, str]:
         """A row of the file, which must be good."""
@@ -181,12 +187,10 @@ def _numbers(values: FloatArray) -> str:
 
 def _shaped(values: tuple[float, ...], name: str, shape: tuple[int, ...]) -> FloatArray:
     """Numbers of the command line as rows, one an effector."""
-    count = shape[1] * max(shape[0], 1)
-    if not values or len(values) % shape[1] or (shape[0] > 0 and len(values) != count):
-        wanted = f"{count} numbers" if shape[0] > 0 else "2 numbers an effector, in space 3"
+    if len(values) != shape[0] * shape[1]:
         raise InvalidInput(
-            f"{name} must be {wanted}, got {len(values)}; give 2 of grips and 3 of applied for "
-            "each effector, in space 3 and 6"
+            f"{name} must be {shape[0] * shape[1]} numbers, got {len(values)}; give {shape[1]} for "
+            "each effector"
         )
     return np.array(values, dtype=np.float64).reshape(shape)
 

@@ -172,13 +172,17 @@ def _grips(axes: Any, scene: Scene) -> None:
 
 
 def _number_place(scene: Scene, i: int) -> FloatArray:
-    """Behind the applied force; at its tip where the effectors share one place."""
+    """Beside the grip where nothing points; at the tips where the effectors share one place."""
     grip, force = scene.grips[i], scene.force(scene.applied)[i]
-    length = float(np.linalg.norm(force))
     if not np.ptp(scene.grips, axis=0).any():
+        length = float(np.linalg.norm(force))
         return grip + force * (1.0 + 0.06 * scene.size / length) if length else grip
-    away = -force / length if length else grip / max(float(np.linalg.norm(grip)), 1e-300)
-    return grip + 1.6 * RADIUS * scene.size * away
+    taken = [force, scene.force(scene.manipulation)[i], scene.force(scene.internal)[i], -grip]
+    ways = [each / np.linalg.norm(each) for each in taken if np.any(each)]
+    angles = np.arctan2(grip[1], grip[0]) + np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
+    free = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    nearest = np.max(free @ np.stack(ways, axis=-1), axis=-1) if ways else np.zeros(16)
+    return grip + 1.6 * RADIUS * scene.size * free[nearest.round(3).argmin()]
 
 
 def _scale_bars(axes: Any, scene: Scene) -> None:

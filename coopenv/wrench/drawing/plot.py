@@ -9,7 +9,7 @@ from coopenv.arrays import FloatArray, finite_array
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.wrench.decomposition import Decomposition, decompose
 from coopenv.wrench.drawing import plane, space
-from coopenv.wrench.drawing.scene import Scene
+from coopenv.wrench.drawing.scene import ROUNDING, Scene
 from coopenv.wrench.grasp import checked_applied, checked_grips, moment
 from coopenv.wrench.measures import cost
 from coopenv.wrench.plausibility import checked_split
@@ -30,6 +30,7 @@ def plot(
     regions: bool = True,
     outline: npt.ArrayLike | None = None,
     title: str | None = None,
+    legend: bool = True,
     ax: Any = None,
 ) -> Any:
     """Draw a split: what each effector applied, which part of it moved, which was internal.
@@ -60,6 +61,8 @@ def plot(
         ``(k, 2)`` corners of a planar object, object frame [m]; by default lines to the grips.
     title
         Above the picture; by default the method, γ, F_I and T_I.
+    legend
+        Whether to say below the picture what is what.
     ax
         Axes of Matplotlib to draw on, in space three-dimensional ones; by default those of a new
         figure that pyplot does not know: ``plot(...).figure.savefig("split.png")``.
@@ -88,7 +91,8 @@ def plot(
     module = plane if scene.dimension == 2 else space
     module.draw(axes, scene, show_regions=regions)
     axes.set_title(_title(scene, name, weights) if title is None else title, fontsize=10)
-    _legend(axes)
+    if legend:
+        _legend(axes)
     return axes
 
 
@@ -186,7 +190,12 @@ def _title(scene: Scene, name: str, weights: dict[str, Any]) -> str:
     )
     relative = 1.0 - after / before if before > 0.0 else 0.0
     levels = internal_levels(scene.internal, scene.grips)
-    gamma, force, torque = (f"{value + 0.0:.3g}" for value in map(_plain, (relative, *levels)))
+    largest = max(scene.largest_force, scene.largest_torque / scene.size)
+    sizes = (1.0, largest, largest * scene.size)
+    gamma, force, torque = (
+        f"{value if abs(value) > ROUNDING * size else 0.0:.3g}"
+        for value, size in zip((relative, *levels), sizes, strict=True)
+    )
     return f"{name}: γ = {gamma}, F_I = {force} N, T_I = {torque} N·m"
 
 
@@ -197,11 +206,6 @@ def internal_levels(internal: FloatArray, grips: FloatArray) -> tuple[float, flo
     norms = (np.linalg.norm(part, axis=-1) for part in (internal[:, :dimension], torque))
     force_level, torque_level = (0.5 * float(norm.sum()) for norm in norms)
     return force_level, torque_level
-
-
-def _plain(value: float) -> float:
-    """Zero where nothing but rounding is left."""
-    return 0.0 if abs(value) < 1e-9 else value
 
 
 def _legend(axes: Any) -> None:

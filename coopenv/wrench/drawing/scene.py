@@ -13,6 +13,7 @@ LONGEST = 0.45  # of the object's size: the arrow of the largest force
 WIDEST = 1.5 * pi  # [rad] the arc of the largest torque
 VISIBLE = 1e-3  # of the largest arrow or arc; less is not drawn
 RADIUS = 0.095  # of an arc, relative to the object's size
+ROUNDING = 1e-6  # a torque that is less of the largest force times the size is none; forces alike
 OPPOSED = -0.98  # cosine below which an internal arrow covers the manipulation arrow
 
 
@@ -56,14 +57,15 @@ class Scene:
 
     @cached_property
     def largest_force(self) -> float:
-        """Of those that are drawn at grips [N]."""
-        return self._largest(slice(self.dimension))
+        """Of those that are drawn at grips [N]; 0 if it is rounding beside the torques."""
+        force, torque = self._largest_force_and_torque
+        return force if force * self.size > ROUNDING * torque else 0.0
 
     @cached_property
     def largest_torque(self) -> float:
-        """Of those that are drawn [N·m]."""
-        torque = self.object_wrench[self.dimension :]
-        return max(self._largest(slice(self.dimension, None)), float(np.linalg.norm(torque)))
+        """Of those that are drawn [N·m]; 0 if it is rounding beside the forces."""
+        force, torque = self._largest_force_and_torque
+        return torque if torque > ROUNDING * force * self.size else 0.0
 
     @property
     def metres_per_newton(self) -> float:
@@ -100,9 +102,13 @@ class Scene:
                 starts[i] += 0.03 * self.size * across(one)
         return starts
 
-    def _largest(self, part: slice) -> float:
-        wrenches = (self.applied, self.manipulation, self.internal)
-        return max(float(np.linalg.norm(each[:, part], axis=-1).max()) for each in wrenches)
+    @cached_property
+    def _largest_force_and_torque(self) -> tuple[float, float]:
+        d = self.dimension
+        parts = np.concatenate([self.applied, self.manipulation, self.internal])
+        torques = np.concatenate([parts[:, d:], self.object_wrench[None, d:]])
+        force, torque = (np.linalg.norm(each, axis=-1).max() for each in (parts[:, :d], torques))
+        return float(force), float(torque)
 
 
 def across(vector: FloatArray) -> FloatArray:

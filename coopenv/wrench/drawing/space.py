@@ -27,7 +27,8 @@ def draw(axes: Any, scene: Scene, *, show_regions: bool) -> None:
         wrench, look = scene.object_wrench, looks.OBJECT_WRENCH
         _arrow(axes, scene, np.zeros(3), scene.force(wrench), look, "force")
         _arc(axes, scene, np.zeros(3), scene.torque(wrench), look, "torque")
-    axes.plot(*scene.grips.T, "o", color="white", markeredgecolor=looks.BLACK, markersize=5)
+    axes.plot(*scene.grips.T, "o", color="white", markeredgecolor=looks.BLACK, markersize=5,
+              gid="grips")  # fmt: skip
     _equal(axes, scene)
     _scale_bar(axes, scene)
 
