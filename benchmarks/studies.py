@@ -98,7 +98,9 @@ def main() -> None:
     chosen = [name for name in sys.argv[1:] if name != "--write"] or list(STUDIES)
     for name in chosen:
         if name not in STUDIES:
-            sys.exit(f"study must be one of {', '.join(STUDIES)}, got {name!r}; leave it out for all")
+            sys.exit(
+                f"study must be one of {', '.join(STUDIES)}, got {name!r}; leave it out for all"
+            )
     for name in chosen:
         STUDIES[name](out=OUT / name).run()
     if "--write" in sys.argv[1:]:

@@ -74,7 +74,7 @@ def test_a_split_that_is_not_plausible_is_called_so(capsys):
     ("arguments", "message"),
     [
         ((), "applied and grips must both be given, or a file with a row"),
-        (("--grips", 0, 0, "--applied", 1, 2), "grips and applied must have 2 and 3 numbers for each effector"),
+        (("--grips", 0, 0, "--applied", 1, 2), "grips and applied must have 2 and 3 numbers"),
         ((*FIGHT, "--out", "wrench.gif"), "out must end in one of .png, .svg, .pdf"),
         ((*FIGHT, "--row", 1), "row must come with a file"),
         ((*FIGHT, "--internal", 1), "internal must be 6 numbers, got 1"),

@@ -35,7 +35,9 @@ def test_every_figure_has_claims_and_a_source_of_its_numbers(found):
 
 
 def test_other_forces_than_those_reconstructed_do_not_give_the_sums_of_figure_5(monkeypatch):
-    monkeypatch.setattr(examples, "TRIO", examples.TRIO + [[0.1, 0, 0], [0, 0, 0], [0, 0, 0]])
+    other = examples.TRIO.copy()
+    other[0, 0] += 0.1
+    monkeypatch.setattr(examples, "TRIO", other)
     broken = [claim.text for claim in grasps.trio_claims() if not claim.holds]
     assert any("Σ‖f_M‖ = 4.472" in text for text in broken)
 
