@@ -23,7 +23,10 @@ else:
 
 SUFFIXES = (".png", ".svg", ".pdf")
 DPI = 150  # of PNG
-COMPONENTS = {3: ("fx [N]", "fy [N]", "tz [N·m]"), 6: ("fx", "fy", "fz", "tx", "ty", "tz")}
+COMPONENTS = {
+    3: ("fx [N]", "fy [N]", "tz [N·m]"),
+    6: ("fx [N]", "fy [N]", "fz [N]", "tx [N·m]", "ty [N·m]", "tz [N·m]"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)

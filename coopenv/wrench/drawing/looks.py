@@ -12,8 +12,8 @@ class Look(NamedTuple):
     width: float  # of the shaft, relative to the object's size
 
 
-GREY, BLACK, BLUE, SKY, VERMILION, GREEN = (
-    "#D0D0D0", "#333333", "#0072B2", "#56B4E9", "#D55E00", "#009E73",
+GREY, BLACK, BLUE, SKY, VERMILION, GREEN, PURPLE = (
+    "#D0D0D0", "#333333", "#0072B2", "#56B4E9", "#D55E00", "#009E73", "#CC79A7",
 )  # fmt: skip
 APPLIED = Look("applied h", GREY, "#777777", 0.034)
 MANIPULATION = Look("manipulation h_M", BLUE, BLUE, 0.014)

@@ -15,6 +15,7 @@ from coopenv.wrench.measures import cost
 from coopenv.wrench.plausibility import checked_split
 
 SIZE = (6.4, 4.8)  # [in]
+LARGEST = 1e100  # [m, N, N·m] beyond, squares are no numbers
 SAME = 1e-12  # relative difference up to which wrenches are the same
 
 
@@ -105,6 +106,11 @@ def _one_sample(applied: npt.ArrayLike, grips: npt.ArrayLike) -> tuple[FloatArra
             raise InvalidInput(
                 f"{name} must be of one sample, without batch axes, got shape {array.shape}; plot "
                 f"one at a time, for example {name}[{', '.join('0' * (array.ndim - 2))}]"
+            )
+        if np.abs(array).max() > LARGEST:
+            raise InvalidInput(
+                f"{name} must be at most {LARGEST:g}, got {np.abs(array).max():g}; give it in SI "
+                "units"
             )
     return places, given
 

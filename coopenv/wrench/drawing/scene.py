@@ -13,6 +13,7 @@ LONGEST = 0.45  # of the object's size: the arrow of the largest force
 WIDEST = 1.5 * pi  # [rad] the arc of the largest torque
 VISIBLE = 1e-3  # of the largest arrow or arc; less is not drawn
 RADIUS = 0.095  # of an arc, relative to the object's size
+TINY = 1e-100  # [m, N, N·m] what is not larger is nothing: no scale could show it
 ROUNDING = 1e-6  # a torque that is less of the largest force times the size is none; forces alike
 OPPOSED = -0.98  # cosine below which an internal arrow covers the manipulation arrow
 
@@ -53,19 +54,19 @@ class Scene:
         corners = np.zeros((1, self.dimension))
         points = [corners, self.grips, *([] if self.outline is None else [self.outline])]
         extent = float(np.ptp(np.concatenate(points), axis=0).max())
-        return extent if extent > 0.0 else 1.0
+        return extent if extent > TINY else 1.0
 
     @cached_property
     def largest_force(self) -> float:
         """Of those that are drawn at grips [N]; 0 if it is rounding beside the torques."""
         force, torque = self._largest_force_and_torque
-        return force if force * self.size > ROUNDING * torque else 0.0
+        return force if force * self.size > max(ROUNDING * torque, TINY) else 0.0
 
     @cached_property
     def largest_torque(self) -> float:
         """Of those that are drawn [N·m]; 0 if it is rounding beside the forces."""
         force, torque = self._largest_force_and_torque
-        return torque if torque > ROUNDING * force * self.size else 0.0
+        return torque if torque > max(ROUNDING * force * self.size, TINY) else 0.0
 
     @property
     def metres_per_newton(self) -> float:

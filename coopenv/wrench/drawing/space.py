@@ -10,11 +10,14 @@ from coopenv.wrench.drawing.looks import Look
 from coopenv.wrench.drawing.scene import RADIUS, Scene, across, round_number
 
 TURN = np.linspace(0.0, 2 * np.pi, 73)  # [rad]
-WIDTHS = {looks.APPLIED: 6.0, looks.MANIPULATION: 2.6, looks.INTERNAL: 2.2}  # [pt]
+KINDS = (looks.APPLIED, looks.OBJECT_WRENCH, looks.MANIPULATION, looks.INTERNAL)
+WIDTHS = dict(zip(KINDS, (7.0, 2.0, 2.6, 3.6), strict=True))  # [pt]
+LEVELS = dict(zip(KINDS, (3.0, 3.5, 4.0, 5.0), strict=True))  # what is drawn last lies on top
 
 
 def draw(axes: Any, scene: Scene, *, show_regions: bool) -> None:
     """Draw everything; artists bear names such as ``internal force 1``."""
+    axes.computed_zorder = False  # by kind, not by depth: an arrow upon another is to be seen
     for grip in scene.grips:
         _line(axes, np.stack([np.zeros(3), grip]), "object", color="#D8D8D8", linewidth=6)
     axes.plot([0], [0], [0], marker="+", color=looks.BLACK, markersize=9, gid="centre of mass")
@@ -22,7 +25,7 @@ def draw(axes: Any, scene: Scene, *, show_regions: bool) -> None:
         _regions(axes, scene)
     for i, grip in enumerate(scene.grips):
         _wrench(axes, scene, i, grip)
-        axes.text(*(1.2 * grip if np.any(grip) else grip), str(i + 1), fontsize=10)
+        axes.text(*(1.2 * grip if np.any(grip) else grip), str(i + 1), fontsize=10, zorder=8)
     if np.any(scene.grips):
         wrench, look = scene.object_wrench, looks.OBJECT_WRENCH
         _arrow(axes, scene, np.zeros(3), scene.force(wrench), look, "force")
@@ -71,8 +74,8 @@ def _regions(axes: Any, scene: Scene) -> None:
         first, second = scale * scene.applied[:, :3]
         for line in lens(first, first + second):
             for i, place in enumerate((line, first + second - line)):
-                _line(axes, scene.grips[i] + place, f"{looks.FEASIBLE} {i + 1}", color=looks.BLUE,
-                      linewidth=1.1, alpha=0.75, label="lens of both balls (9)")  # fmt: skip
+                _line(axes, scene.grips[i] + place, f"{looks.FEASIBLE} {i + 1}", color=looks.PURPLE,
+                      linewidth=1.2, label="lens of both balls (9)")  # fmt: skip
 
 
 def lens(first: FloatArray, total: FloatArray) -> list[FloatArray]:
@@ -158,11 +161,16 @@ def _wrench(axes: Any, scene: Scene, i: int, grip: FloatArray) -> None:
 def _arrow(
     axes: Any, scene: Scene, start: FloatArray, vector: FloatArray, look: Look, name: str
 ) -> None:
-    if np.any(vector):
-        axes.quiver(*start, *vector, color=_colour(look), linewidth=WIDTHS.get(look, 2.0),
-                    arrow_length_ratio=min(0.3, 0.06 * scene.size / np.linalg.norm(vector)),
-                    linestyle="--" if look is looks.INTERNAL else "-",
-                    label=look.name, gid=f"{look.name.split()[0]} {name}")  # fmt: skip
+    """The internal arrow is hollow: white upon its colour."""
+    if not np.any(vector):
+        return
+    head = min(0.3, 0.06 * scene.size / float(np.linalg.norm(vector)))
+    gid, width = f"{look.name.split()[0]} {name}", WIDTHS[look]
+    axes.quiver(*start, *vector, color=_colour(look), linewidth=width, zorder=LEVELS[look],
+                arrow_length_ratio=head, label=look.name, gid=gid)  # fmt: skip
+    if look is looks.INTERNAL:
+        axes.quiver(*start, *vector, color="white", linewidth=0.4 * width,
+                    arrow_length_ratio=head, zorder=LEVELS[look])  # fmt: skip
 
 
 def _arc(
@@ -183,13 +191,15 @@ def _arc(
     up = np.cross(axis, left)
     angles = np.linspace(0.0, sweep, 40)
     line = centre + radius * (np.outer(np.cos(angles), left) + np.outer(np.sin(angles), up))
-    style = "--" if look is looks.INTERNAL else "-"
-    width = WIDTHS.get(look, 2.0) * 0.8
+    width, level = 0.7 * WIDTHS[look], LEVELS[look]
     _line(axes, line, f"{look.name.split()[0]} {name}", color=_colour(look), linewidth=width,
-          linestyle=style, label=look.name)  # fmt: skip
+          zorder=level, label=look.name)  # fmt: skip
+    if look is looks.INTERNAL:
+        axes.plot(*line.T, color="white", linewidth=0.4 * width, zorder=level)
     head = line[-1] - line[-2]
     head *= 0.4 * radius / np.linalg.norm(head)
-    axes.quiver(*line[-1], *head, color=_colour(look), linewidth=width, arrow_length_ratio=1.0)
+    axes.quiver(*line[-1], *head, color=_colour(look), linewidth=width, zorder=level,
+                arrow_length_ratio=1.0)  # fmt: skip
 
 
 def _colour(look: Look) -> str:

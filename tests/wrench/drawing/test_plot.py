@@ -155,11 +155,27 @@ def test_nothing_applied_is_a_picture_of_the_grips_alone():
         assert not {name for name in names(axes) if "force" in name or "torque" in name}
 
 
+@pytest.mark.parametrize("scale", [1e-320, 1e-30, 1e30])
+def test_forces_of_any_size_are_drawn_or_left_out(scale):
+    axes = wrench.plot(scale * FIGHT, BEAM)
+    assert np.isfinite([axes.get_xlim(), axes.get_ylim()]).all()
+    assert ("internal force 1" in names(axes)) == (scale > 1e-300)
+
+
+def test_grips_in_the_middle_and_one_effector_alone_are_drawn():
+    walker = wrench.plot([(3.0, 0.0, 0.0), (-1.0, 0.0, 2.0)], [(-0.5, 0.0), (0.0, 0.0)])
+    assert {"internal force 1", "applied torque 2", "number 2"} <= names(walker)
+    alone = names(wrench.plot([(1.0, 2.0, 0.5)], [(0.3, 0.0)]))
+    assert {"manipulation force 1", "disc of eq. 9 1"} <= alone
+    assert not {name for name in alone if "internal" in name}
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
         ({"applied": [FIGHT, AGREE]}, r"applied must be of one sample.*applied\[0\]"),
         ({"grips": [BEAM, BEAM]}, r"grips must be of one sample"),
+        ({"applied": 1e200 * FIGHT}, "applied must be at most 1e"),
         ({"internal": FIGHT, "method": "net_force"}, "only one of internal, decomposition and"),
         ({"internal": [FIGHT, FIGHT]}, "internal must be of shape"),
         ({"decomposition": wrench.decompose(AGREE, BEAM)}, "decomposition must be of the applied"),
