@@ -77,7 +77,9 @@ class Show:
         applied, grips, where = self._given()
         out = self.out if self.out is not None else self._picture(where)
         if out.suffix.lower() not in SUFFIXES:
-            raise InvalidInput(f"out must end in one of {', '.join(SUFFIXES)}, got {out.name!r}")
+            raise InvalidInput(
+                f"out must end in one of {', '.join(SUFFIXES)}, got {out.name!r}; rename it"
+            )
         require_writable(out)
         split = decompose(
             applied,
@@ -132,7 +134,10 @@ class Show:
         from coopenv.logs import Layout
 
         if (self.row is None) == (self.at is None):
-            raise InvalidInput("one of row and at must be given with a file; for example --row 1")
+            got = "none" if self.row is None else "both"
+            raise InvalidInput(
+                f"one of row and at must be given with a file, got {got}; for example --row 1"
+            )
         layout = Layout.load(self.layout, **({} if self.grips is None else {"grips": self.grips}))
         if self.row is not None:
             row = whole(self.row, "row", at_least=1)
@@ -224,12 +229,16 @@ def _nearest(file: Path, layout: Any, time: float) -> int:
     best, found, before = np.inf, 0, 0
     for recording in Reader(file, layout, bad_rows="skip"):
         if recording.time is None:
-            raise InvalidInput(f"at must be left out: {file} has no times; give --row instead")
+            raise InvalidInput(
+                f"at must be left out for a file without times, got {time:g}; give --row instead"
+            )
         apart = np.where(recording.good, np.abs(recording.time - time), np.inf)
         place = int(apart.argmin())
         if apart[place] < best:
             best, found = float(apart[place]), before + place + 1
         before += len(recording)
     if not found:
-        raise InvalidInput(f"file must have rows that can be used, got none in {file}")
+        raise InvalidInput(
+            f"file must have rows that can be used, got none in {file}; coopenv decompose says why"
+        )
     return found

@@ -1,7 +1,8 @@
 """Wrenches of the snapshots, and where their numbers come from.
 
-Figs. 2, 3 and 5 have numbers to meet. For the others the paper prints none, so ours are declared
-here: they show what the section is about.
+Fig. 2, the couple of Fig. 3 and the sums of Fig. 5 have numbers to meet. For the others none were
+at hand, so ours are declared here: they show what the section is about. That Figs. 3, 4, 7, 8 and
+17 are of these subjects is our reading of the sections.
 """
 
 from dataclasses import dataclass
@@ -46,13 +47,19 @@ class Source:
 
 SOURCES = (
     Source("Fig. 2", "two forces along a beam", "printed"),
-    Source("Fig. 3", "a couple of forces on a beam", "printed in the text; picture ours"),
-    Source("Fig. 4", "the disc of a plausible force, eq. 9", "ours"),
+    Source(
+        "Fig. 3",
+        "a couple of forces on a beam",
+        "the paper's couple of 0.7 N at ±1 m; figure by subject",
+    ),
+    Source("Fig. 4", "the disc of a plausible force, eq. 9", "ours; figure by subject"),
     Source("Fig. 5", "three forces on a point mass", "reconstructed from the sums that it states"),
     Source("Fig. 6", "three digits, after Yoshikawa & Nagai", "ours: 4 N each inwards, lift 3 N"),
-    Source("Fig. 7", "two forces askew to a beam", "ours"),
-    Source("Fig. 8", "torques that compensate each other or forces, eq. 24", "ours"),
-    Source("Fig. 17", "power of a manipulation wrench, eqs. 35-36", "ours"),
+    Source("Fig. 7", "two forces askew to a beam", "ours; figure by subject"),
+    Source(
+        "Fig. 8", "torques that compensate each other or forces, eq. 24", "ours; figure by subject"
+    ),
+    Source("Fig. 17", "power of a manipulation wrench, eqs. 35-36", "ours; figure by subject"),
 )
 
 

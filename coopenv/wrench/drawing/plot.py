@@ -125,8 +125,8 @@ def _split(
     """The internal wrench that is shown, and whose it is."""
     if (internal is not None) + (decomposition is not None) + (settings["method"] != "optimal") > 1:
         raise InvalidInput(
-            "only one of internal, decomposition and method must be given, got several; each of "
-            "them says how the wrench is split"
+            "only one of internal, decomposition and method must be given, got several; leave out "
+            "all but the one that says how the wrench is split"
         )
     if internal is not None:
         _, own, _ = checked_split(applied, internal, grips)
