@@ -45,6 +45,7 @@ def lens_claims(samples: int, seed: int) -> list[Claim]:
             "eq. 22",
             largest(decompose(applied, grips, method="point_mass").manipulation[0, :2] - foot),
             within=ZERO, unit="N",
+            why="both pull along f_o here; where one pulls against it, the answer is f_o itself",
         ),
         Claim.zero(
             "ours lies in the lens (distance from the balls of eqs. 9-11)",
