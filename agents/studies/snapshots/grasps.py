@@ -157,7 +157,8 @@ def digit_claims() -> list[Claim]:
         Claim.zero(
             "ours: the internal forces are the squeeze, 4 N of each digit (largest departure)",
             "Fig. 6, numbers ours", largest(ours.internal - examples.SQUEEZE), within=SPLIT,
-            unit="N", why="the bound is the root of the 1e-8 to which costs are certified, of some 10 N",
+            unit="N",
+            why="the bound is the root of the 1e-8 to which costs are certified, of some 10 N",
         ),
         Claim.zero(
             "ours is plausible (distance from the balls of eqs. 9-11)",
