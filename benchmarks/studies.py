@@ -1,11 +1,13 @@
 """The figures and tables of docs/studies.md, made by running every study.
 
-python -m benchmarks.studies            # prints them, and leaves all files in runs/studies
-python -m benchmarks.studies --write    # and puts figures and tables on the page
+python -m benchmarks.studies                    # prints them, and leaves all files in runs/studies
+python -m benchmarks.studies --write            # and puts figures and tables on the page
+python -m benchmarks.studies --write snapshots  # those of one study only
 """
 
 import re
 import sys
+from collections.abc import Iterable
 from inspect import getsource
 from pathlib import Path
 
@@ -23,28 +25,31 @@ STUDIES = {
     "walker-turn": commands.WalkerTurn,
     "walker-avoid": commands.WalkerAvoid,
     "beam": commands.Beam,
+    "snapshots": commands.Snapshots,
     "dyads": commands.Dyads,
 }
 TABLES = {
     "walker-turn": ("claims",),
     "walker-avoid": ("claims",),
     "beam": ("claims",),
+    "snapshots": ("sources", "claims"),
     "dyads": ("course", "comparison", "anova", "claims"),
 }
 PICTURES = {
     "walker-turn": ("way", "time"),
     "walker-avoid": ("way", "time"),
     "beam": ("motion_J1", "disagreement_J1"),
+    "snapshots": tuple(f"fig{number}" for number in (2, 3, 4, 5, 6, 7, 8, 17)),
     "dyads": ("internal_torque", "load_density"),
 }
 
 
-def tables(out: Path) -> dict[str, str]:
+def tables(out: Path, studies: Iterable[str] = tuple(STUDIES)) -> dict[str, str]:
     """Markdown of each table by the name of its mark, from the files that the studies left."""
     found = {
         f"{study} {name}": (out / study / f"{name}.md").read_text(encoding="utf-8")
-        for study, names in TABLES.items()
-        for name in names
+        for study in studies
+        for name in TABLES[study]
     }
     return {"people": people(), **found}
 
@@ -59,13 +64,13 @@ def people() -> str:
     return markdown(rows)
 
 
-def pictures(out: Path) -> dict[Path, Path]:
+def pictures(out: Path, studies: Iterable[str] = tuple(STUDIES)) -> dict[Path, Path]:
     """Each picture of the page and the file that it is made from."""
     folder = PAGE.with_suffix("")
     return {
         folder / f"{study}_{name}.png": out / study / f"{name}.png"
-        for study, names in PICTURES.items()
-        for name in names
+        for study in studies
+        for name in PICTURES[study]
     }
 
 
@@ -74,26 +79,32 @@ def page(found: dict[str, str]) -> str:
     return filled(PAGE, found)
 
 
-def write(out: Path) -> None:
-    """Put figures and tables on the page."""
+def write(out: Path, studies: Iterable[str] = tuple(STUDIES)) -> None:
+    """Put figures and tables of studies on the page."""
     from PIL import Image
 
     PAGE.with_suffix("").mkdir(exist_ok=True)
-    for path, source in pictures(out).items():
+    for path, source in pictures(out, studies).items():
         with Image.open(source) as image, written(path) as part:
             stored = image.convert("RGB")
             if source.stat().st_size > LARGE:
                 stored = stored.quantize(256, dither=Image.Dither.NONE)
             stored.save(part, format="PNG", optimize=True)
-    fill(PAGE, tables(out))
+    fill(PAGE, tables(out, studies))
 
 
 def main() -> None:
-    """Run every study; with ``--write`` also put what they found on the page."""
-    for name, study in STUDIES.items():
-        study(out=OUT / name).run()
+    """Run the studies that are named, or all; with ``--write`` put what they found on the page."""
+    chosen = [name for name in sys.argv[1:] if name != "--write"] or list(STUDIES)
+    for name in chosen:
+        if name not in STUDIES:
+            sys.exit(
+                f"study must be one of {', '.join(STUDIES)}, got {name!r}; leave it out for all"
+            )
+    for name in chosen:
+        STUDIES[name](out=OUT / name).run()
     if "--write" in sys.argv[1:]:
-        write(OUT)
+        write(OUT, chosen)
 
 
 if __name__ == "__main__":

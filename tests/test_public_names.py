@@ -67,9 +67,10 @@ NAMES: dict[str, tuple[str, ...]] = {
     "coopenv.walker_turn_v0": VIEWS,
     "coopenv.wrench": (
         "GENERAL_METHODS", "METHODS", "SOLVERS", "Decomposer", "Decomposition", "EnergyShare",
-        "LoadShare", "Residuals", "Settings", "allocate", "constraint_violation", "decompose",
-        "energy_share", "grasp_matrix", "induced_torque", "load_share", "object_wrench",
-        "synthesize",
+        "LoadShare", "Residuals", "Settings", "WorkResiduals", "allocate", "constraint_violation",
+        "cost", "decompose", "energy_share", "grasp_matrix", "induced_torque", "is_plausible",
+        "load_share", "object_wrench", "plot", "residuals", "synthesize", "weight_matters",
+        "work_residuals",
     ),
 }  # fmt: skip
 

@@ -11,6 +11,7 @@ from coopenv.physics.scene import Box
 from .beam.simulation import BeamConfig
 from .claims import Claim, claim_table, plain_table
 from .dyads.config import DyadsConfig
+from .snapshots.report import SnapshotsConfig
 from .tables import Table
 from .walker import simulations
 
@@ -86,6 +87,25 @@ class WalkerAvoid:
         with console.status("decomposing and drawing"):
             found, files = write(self.simulation, recording, self.out)
         _print_claims(console, found, "walker-avoid: the claims of section V-A")
+        _print_files(console, self.out, files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Snapshots:
+    """Single wrenches, drawn and split by several methods (Figs. 2 to 8 and 17)."""
+
+    wrenches: SnapshotsConfig = field(default_factory=SnapshotsConfig)
+    out: Path = Path("runs/study_snapshots")
+    """Folder for figures and tables."""
+
+    def run(self) -> None:
+        """Decompose, check, draw, write."""
+        console = _console()
+        from .snapshots.report import write
+
+        with console.status("decomposing and drawing"):
+            found, files = write(self.wrenches, self.out)
+        _print_claims(console, found, "snapshots: the claims of Figs. 2 to 8 and 17")
         _print_files(console, self.out, files)
 
 

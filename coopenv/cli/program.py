@@ -11,6 +11,7 @@ from typing import Protocol
 from coopenv.cli import terminal, version
 from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
+from coopenv.cli.show import Show
 from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
@@ -34,6 +35,7 @@ COMMANDS: dict[str, type[Command]] = {
     "train": Train,
     "evaluate": Evaluate,
     "decompose": Decompose,
+    "show": Show,
     "study": Study,
     "warmup": Warmup,
 }

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from coopenv.agents.studies.commands import Beam, Dyads, WalkerAvoid, WalkerTurn
+from coopenv.agents.studies.commands import Beam, Dyads, Snapshots, WalkerAvoid, WalkerTurn
 from coopenv.files import require_folder
 
 
@@ -10,7 +10,7 @@ from coopenv.files import require_folder
 class Study:
     """Run a study of the paper and check its claims, or analyse recorded trials the same way."""
 
-    study: WalkerTurn | WalkerAvoid | Beam | Dyads
+    study: WalkerTurn | WalkerAvoid | Beam | Dyads | Snapshots
 
     def run(self) -> None:
         """Run it, if its folder can be written."""

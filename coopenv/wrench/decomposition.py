@@ -26,8 +26,8 @@ from coopenv.wrench.measures import (
     level_kernel,
 )
 from coopenv.wrench.methods import METHODS
+from coopenv.wrench.plausibility import Residuals, residuals_of
 from coopenv.wrench.rehearsal import rehearse
-from coopenv.wrench.residuals import Residuals, residuals_of
 from coopenv.wrench.settings import Settings
 from coopenv.wrench.shares import EnergyShare, LoadShare, ShareOrEven
 

@@ -124,16 +124,18 @@ def checked_applied(applied: npt.ArrayLike, grips: FloatArray) -> FloatArray:
     return applied
 
 
-def require_wrench_per_grip(applied: FloatArray, grips: FloatArray) -> None:
-    """Raise `InvalidInput` unless ``applied`` holds one wrench per grip."""
+def require_wrench_per_grip(
+    applied: FloatArray, grips: FloatArray, *, name: str = "applied"
+) -> None:
+    """Raise `InvalidInput` unless ``applied``, called ``name``, holds one wrench per grip."""
     num_effectors, dimension = grips.shape[-2:]
     expected = (num_effectors, wrench_size(dimension))
     if applied.shape[-2:] != expected:
         raise InvalidInput(
-            f"applied must be of shape (..., {expected[0]}, {expected[1]}) for grips of shape "
+            f"{name} must be of shape (..., {expected[0]}, {expected[1]}) for grips of shape "
             f"{grips.shape}, got {applied.shape}; give one wrench [force, torque] per grip"
         )
-    require_batch("applied", applied.shape[:-2], grips)
+    require_batch(name, applied.shape[:-2], grips)
 
 
 def require_batch(name: str, batch: tuple[int, ...], grips: FloatArray) -> None:

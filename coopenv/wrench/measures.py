@@ -3,10 +3,13 @@
 from math import sqrt
 
 import numpy as np
+import numpy.typing as npt
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import FloatArray, finite_array
 from coopenv.compiled import TINY, gufunc, inlined
 from coopenv.wrench.components import components, moment, norm
+from coopenv.wrench.grasp import checked_grips, require_wrench_per_grip
+from coopenv.wrench.settings import Settings
 
 # Columns of what `level_kernel` writes
 COST, APPLIED_COST, RELATIVE_COST = 0, 1, 2  # J(h_M), J(h) [N], γ
@@ -17,6 +20,42 @@ NUM_LEVELS = 6
 # Places of what kernels are told of the cost
 TORQUE_WEIGHT, INCLUDE_INDUCED = 0, 1  # w and s of eq. 17
 PLAUSIBLE = 2  # 1 if relative and wasted cost are known not to be negative
+
+
+def cost(
+    wrench: npt.ArrayLike,
+    grips: npt.ArrayLike,
+    *,
+    torque_weight: float = 0.5,
+    include_induced: bool = False,
+) -> FloatArray:
+    """Cost of any wrench, be it applied, manipulation or one of one's own.
+
+    J(h) = Σ_i (1−w) ‖f_i‖ + w ‖t_i‖ + s w ‖r_i × f_i‖    (eq. 17)
+
+    Parameters
+    ----------
+    wrench
+        ``(..., n, 3)`` planar or ``(..., n, 6)`` spatial [N, N·m].
+    grips
+        ``(..., n, 2)`` or ``(..., n, 3)``, broadcast against it [m].
+    torque_weight, include_induced
+        w in ]0, 1[ and s, as in `Settings`.
+
+    Returns
+    -------
+    ``(...)`` [N, torques per metre].
+
+    Raises
+    ------
+    InvalidInput
+        If a shape or a number is wrong.
+    """
+    settings = Settings(torque_weight=torque_weight, include_induced=include_induced)
+    grips, given = checked_grips(grips), finite_array(wrench, "wrench")
+    require_wrench_per_grip(given, grips, name="wrench")
+    weights = level_parameters(settings.torque_weight, settings.include_induced, False)
+    return level_kernel(given, given, grips, weights)[..., COST]
 
 
 def level_parameters(torque_weight: float, include_induced: bool, plausible: bool) -> FloatArray:

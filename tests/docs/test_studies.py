@@ -8,6 +8,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("statsmodels")
 
 from benchmarks import studies
+from coopenv.agents.studies.snapshots import report as snapshots
 from coopenv.agents.studies.walker import avoid, turn
 from coopenv.agents.studies.walker.report import Walk
 from coopenv.agents.studies.walker.simulations import WalkerAvoid, WalkerTurn
@@ -48,9 +49,10 @@ def test_the_traits_are_those_of_the_code():
             "walker-avoid claims",
             lambda: avoid.claims(Walk(WalkerAvoid().run()), WalkerAvoid()),
         ),
+        ("snapshots claims", snapshots.claims),
     ],
 )
-def test_the_walkers_claims_are_what_the_code_finds(name, found):
+def test_the_quick_studies_claims_are_what_the_code_finds(name, found):
     assert verdicts(name) == [(claim.text, claim.verdict) for claim in found()]
 
 
@@ -60,5 +62,6 @@ def test_what_does_not_hold_is_what_the_text_explains():
     assert [text.split(":")[0] for text, _ in failed] == [
         "point mass",
         "nonsqueezing",
+        "eq. 24 as printed names no wrench at which w does not matter (of 878)",
         "agent 1 dominates longer",
     ]

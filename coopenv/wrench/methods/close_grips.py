@@ -18,7 +18,7 @@ from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.grasp import sum_at_centre
 from coopenv.wrench.measures import COST, WASTED_COST, level_kernel, level_parameters
 from coopenv.wrench.pair.on_axis import COINCIDENT, ON_AXIS
-from coopenv.wrench.residuals import residuals_of
+from coopenv.wrench.plausibility import residuals_of
 from coopenv.wrench.settings import Settings
 
 NEAR = 1e-6  # of the longest lever: a tiny lever from which on rounding is worth less than 1e-8
