@@ -13,6 +13,7 @@ from coopenv.errors import InvalidInput
 from coopenv.files import reading
 from coopenv.logs.assumptions import assumptions
 from coopenv.logs.convert import Measured, in_si, turned_over
+from coopenv.logs.declared.stamps import Stamps, is_form
 from coopenv.logs.faults import Faults
 from coopenv.logs.formats import open_source
 from coopenv.logs.formats.chunks import Chunk, Column
@@ -142,11 +143,20 @@ class Reader:
     ):
         self.path = os.fspath(path)
         self.layout = layout if layout is not None else Layout()
-        self._source = open_source(path, self.layout.decimal, self.layout.limits)
-        columns, grips_in_file = self._source.columns, self._source.grips is not None
-        require_short_names(self.path, (*columns, *self._source.left_out))
+        self._source = source = open_source(path, self.layout.dialect, self.layout.limits)
+        for theirs in self.layout.columns.values():
+            source.offer([theirs, theirs.removeprefix("-")])
+        columns = source.columns
+        require_short_names(self.path, (*columns, *source.left_out))
         with naming(self.path):
-            self.plan = make_plan(self.path, columns, self.layout, grips_in_file=grips_in_file)
+            self.plan = make_plan(
+                self.path,
+                columns,
+                self.layout,
+                grips_in_file=source.grips is not None,
+                units=source.units,
+                repeated=source.repeated,
+            )
         self.faults = Faults(self.path, columns, self.plan, bad_rows)
         self.left_out = [*self._source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
@@ -169,13 +179,19 @@ class Reader:
 
     def _chunks(self) -> Iterator[Chunk]:
         """Those of the file; what is damaged further on shows only here."""
-        chunks = self._source.chunks(list(self.plan.source.values()), self.plan.carried)
+        numbers = list(dict.fromkeys(self.plan.source.values()))
+        chunks = self._source.chunks(numbers, self.plan.carried, self._stamps())
         while True:
             with reading(self.path):
                 chunk = next(chunks, None)
             if chunk is None:
                 return
             yield chunk
+
+    def _stamps(self) -> dict[str, Stamps]:
+        """Columns that are times as text."""
+        form, time = self.layout.time, self.plan.source.get("time")
+        return {time: Stamps(form)} if time is not None and is_form(form) else {}
 
     def _trial_columns(self) -> list[str]:
         """Those there are; the default ones need not be."""

@@ -19,6 +19,8 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names
 from coopenv.logs.formats.arrays import Array, Rows, archive_of
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import (
     CHUNK_ROWS,
     Chunk,
@@ -44,7 +46,7 @@ class NpzSource(Source):
     of the documented names.
     """
 
-    def __init__(self, path: Path, decimal: str, limits: Limits):
+    def __init__(self, path: Path, dialect: Dialect, limits: Limits):
         self._path, self._limits = path, limits
         try:
             with archive_of(path, limits) as archive:
@@ -70,7 +72,12 @@ class NpzSource(Source):
         taken = {name for name, _ in self._columns.values()}
         self.left_out = [name for name in self._arrays if name not in taken and name != "grips"]
 
-    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
+    def chunks(
+        self,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Mapping[str, Stamps] | None = None,
+    ) -> Iterator[Chunk]:
         """Read all arrays side by side."""
         for name in numbers:
             self._require_numbers(self._columns[name][0])

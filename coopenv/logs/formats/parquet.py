@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import (
     CHUNK_ROWS,
     Chunk,
@@ -26,7 +28,7 @@ READ = 1 << 20  # [bytes] of a column at once
 class ParquetSource(Source):
     """A Parquet file with one value a row and column."""
 
-    def __init__(self, path: Path, decimal: str, limits: Limits):
+    def __init__(self, path: Path, dialect: Dialect, limits: Limits):
         try:
             from pyarrow import parquet, types
         except ImportError as error:
@@ -40,7 +42,12 @@ class ParquetSource(Source):
         self.left_out = [entry.name for entry in schema if types.is_nested(entry.type)]
         self._types = {entry.name: entry.type for entry in schema}
 
-    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
+    def chunks(
+        self,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Mapping[str, Stamps] | None = None,
+    ) -> Iterator[Chunk]:
         """Read batch by batch; what is carried keeps its type."""
         from pyarrow import parquet, types
 
