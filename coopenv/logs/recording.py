@@ -144,8 +144,8 @@ class Reader:
         self.path = os.fspath(path)
         self.layout = layout if layout is not None else Layout()
         self._source = source = open_source(path, self.layout.dialect, self.layout.limits)
-        for theirs in self.layout.columns.values():
-            source.offer([theirs, theirs.removeprefix("-")])
+        theirs = self.layout.columns.values()
+        source.offer([name for each in theirs for name in (each, each.removeprefix("-"))])
         columns = source.columns
         require_short_names(self.path, (*columns, *source.left_out))
         with naming(self.path):

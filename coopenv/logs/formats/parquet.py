@@ -1,12 +1,13 @@
 """Parquet tables: reading and writing them in batches with pyarrow."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from coopenv.arrays import FloatArray, IntArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
@@ -16,6 +17,7 @@ from coopenv.logs.formats.chunks import (
     Column,
     Sink,
     Source,
+    part_of,
     plain,
     rows_at_once,
 )
@@ -26,7 +28,7 @@ READ = 1 << 20  # [bytes] of a column at once
 
 
 class ParquetSource(Source):
-    """A Parquet file with one value a row and column."""
+    """A Parquet file with one value a row and column, or lists of numbers."""
 
     def __init__(self, path: Path, dialect: Dialect, limits: Limits):
         try:
@@ -41,6 +43,25 @@ class ParquetSource(Source):
         self.columns = [entry.name for entry in schema if not types.is_nested(entry.type)]
         self.left_out = [entry.name for entry in schema if types.is_nested(entry.type)]
         self._types = {entry.name: entry.type for entry in schema}
+        self._parts: dict[str, tuple[str, int]] = {}  # column -> list, place in it
+
+    def offer(self, names: Iterable[str]) -> None:
+        """Make places of lists columns, where these names ask for them."""
+        for name in names:
+            part = part_of(name)
+            if part is None or name in self.columns or not _is_list(self._types.get(part[0])):
+                continue
+            listed, index = part
+            kind = self._types[listed].value_type
+            if len(index) > 1 or not _is_number(kind):
+                raise InvalidInput(
+                    f"{self._path}, column {listed!r} must be lists of numbers for {name!r}, got "
+                    f"lists of {kind}; give one number, or convert it"
+                )
+            self._parts[name] = (listed, index[0])
+            self._types[name] = kind
+            self.columns.append(name)
+            self.left_out = [each for each in self.left_out if each != listed]
 
     def chunks(
         self,
@@ -49,33 +70,56 @@ class ParquetSource(Source):
         stamps: Mapping[str, Stamps] | None = None,
     ) -> Iterator[Chunk]:
         """Read batch by batch; what is carried keeps its type."""
-        from pyarrow import parquet, types
+        from pyarrow import parquet
 
+        stamps = stamps or {}
         for name in numbers:
-            kind = self._types[name]
-            if not (types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind)):
-                raise InvalidInput(
-                    f"{self._path}, column {name!r} must hold numbers, got {kind}; convert it"
-                )
+            self._require_kind(name, stamps)
         row = 1
-        texts = [name for name in carried if _is_text(self._types[name])]
+        read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in (*numbers, *carried))
+        texts = [name for name in read if _is_text(self._types[name]) and name not in stamps]
         with (
             _parsing(self._path),
             parquet.ParquetFile(self._path, buffer_size=READ, read_dictionary=texts) as file,
         ):
             total = max(file.metadata.num_rows, 1)
-            for batch in self._batches(file, [*numbers, *carried]):
+            for batch in self._batches(file, list(read)):
                 yield Chunk(
-                    numbers={
-                        name: batch[name].cast("float64", safe=False).to_numpy(zero_copy_only=False)
-                        for name in numbers
-                    },
+                    numbers={name: self._numbers(batch, name, stamps) for name in numbers},
                     carried={name: plain(_as_numpy(batch[name])) for name in carried},
                     rows=batch.num_rows,
                     first_row=row,
                     progress=(row - 1 + batch.num_rows) / total,
+                    rules={name: each.rule for name, each in stamps.items()},
                 )
                 row += batch.num_rows
+
+    def _require_kind(self, name: str, stamps: Mapping[str, Stamps]) -> None:
+        """Raise unless a column holds numbers, or times if it is said to."""
+        from pyarrow import types
+
+        kind = self._types[name]
+        if name in stamps and not (
+            types.is_timestamp(kind) or types.is_string(kind) or types.is_large_string(kind)
+        ):
+            raise InvalidInput(
+                f"{self._path}, column {name!r} must hold times as text or time stamps, got "
+                f"{kind}; say their unit, as --time s"
+            )
+        if name not in stamps and not _is_number(kind):
+            remedy = "say --time iso if it is time" if types.is_timestamp(kind) else "convert it"
+            raise InvalidInput(
+                f"{self._path}, column {name!r} must hold numbers, got {kind}; {remedy}"
+            )
+
+    def _numbers(self, batch: Any, name: str, stamps: Mapping[str, Stamps]) -> FloatArray:
+        """A column of numbers, NaN where there is none."""
+        if name in stamps:
+            return _seconds(batch[name], stamps[name])
+        if name in self._parts:
+            listed, place = self._parts[name]
+            return _place_of_lists(batch[listed], place)
+        return batch[name].cast("float64", safe=False).to_numpy(zero_copy_only=False)
 
     def _batches(self, file: Any, names: list[str]) -> Iterator[Any]:
         """Rows as pyarrow reads them, in parts where they hold much text."""
@@ -189,6 +233,8 @@ def _text_bytes(column: Any) -> Any:
     """How long the text of each row ``(T,)`` is [bytes]; 0 where there is none."""
     from pyarrow import compute, types
 
+    if _is_list(column.type):
+        return _list_bytes(column)
     listed = types.is_dictionary(column.type)
     texts = column.dictionary if listed else column
     if not (_is_text(texts.type) or _is_large(texts.type)):
@@ -197,6 +243,63 @@ def _text_bytes(column: Any) -> Any:
     if listed:
         length = compute.take(length, column.indices)
     return compute.fill_null(length, 0).to_numpy(zero_copy_only=False)
+
+
+def _is_number(kind: Any) -> bool:
+    from pyarrow import types
+
+    return types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind)
+
+
+def _is_list(kind: Any) -> bool:
+    from pyarrow import types
+
+    return kind is not None and (
+        types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)
+    )
+
+
+def _ends_of_lists(column: Any) -> tuple[IntArray, IntArray]:
+    """Where the list of each row begins in the values of all, and where it ends."""
+    from pyarrow import types
+
+    if types.is_fixed_size_list(column.type):
+        size = column.type.list_size
+        starts = (np.arange(len(column)) + column.offset) * size
+        ends = starts + size
+    else:
+        offsets = column.offsets.to_numpy()
+        starts, ends = offsets[:-1].astype(np.int64), offsets[1:].astype(np.int64)
+    there = column.is_valid().to_numpy(zero_copy_only=False)
+    return starts, np.where(there, ends, starts)
+
+
+def _place_of_lists(column: Any, place: int) -> FloatArray:
+    """What the list of each row has in a place; NaN where it is too short."""
+    starts, ends = _ends_of_lists(column)
+    values = column.values.cast("float64", safe=False).to_numpy(zero_copy_only=False)
+    there = starts + place < ends
+    made = np.full(len(starts), np.nan)
+    made[there] = values[starts[there] + place]
+    return made
+
+
+def _list_bytes(column: Any) -> Any:
+    """How much the list of each row holds ``(T,)`` [bytes]."""
+    starts, ends = _ends_of_lists(column)
+    return 8 * (ends - starts)
+
+
+def _seconds(column: Any, stamps: Stamps) -> FloatArray:
+    """Times as text or time stamps as seconds."""
+    from pyarrow import types
+
+    if not types.is_timestamp(column.type):
+        return stamps.of_texts(column)
+    there = column.is_valid().to_numpy(zero_copy_only=False)
+    zoneless = column.cast("int64").fill_null(0).to_numpy(zero_copy_only=False)
+    size = {"s": 10**9, "ms": 10**6, "us": 1000, "ns": 1}[column.type.unit]
+    return stamps.of_nanoseconds(zoneless * size, there)
 
 
 def _is_large(kind: Any) -> bool:
