@@ -12,6 +12,8 @@ from coopenv.errors import InvalidInput
 from coopenv.files import reading, require_file
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.chunks import Format, Sink, Source
+from coopenv.logs.formats.hdf5 import Hdf5Source
+from coopenv.logs.formats.mat import MatSource
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
 from coopenv.logs.formats.text import TextSink, TextSource
@@ -24,14 +26,31 @@ FORMATS = (
 )
 """Those that are read and written."""
 
-READ = (Format((".csv.gz", ".tsv.gz", ".txt.gz"), TextSource, None),)
+READ = (
+    Format((".csv.gz", ".tsv.gz", ".txt.gz"), TextSource, None),
+    Format((".mat",), MatSource, None),
+    Format((".h5", ".hdf5", ".hdf", ".he5"), Hdf5Source, None),
+)
 """Those that are only read."""
+
+PARTED = READ[1:]
+"""Those of which a part can be read alone."""
 
 
 def open_source(
-    path: str | os.PathLike, dialect: Dialect | None = None, limits: Limits | None = None
+    path: str | os.PathLike,
+    dialect: Dialect | None = None,
+    limits: Limits | None = None,
+    part: str = "",
 ) -> Source:
     """Open a file for reading.
+
+    Parameters
+    ----------
+    path, dialect, limits
+        See `Source`.
+    part
+        A group, structure or topic of a file of several; all of it if empty.
 
     Raises
     ------
@@ -44,8 +63,14 @@ def open_source(
     path = Path(path)
     require_file(path)
     with reading(path):
-        source = find_format(path).source
-        return source(path, dialect or Dialect(), limits if limits is not None else Limits())
+        known = find_format(path)
+        if part and known not in PARTED:
+            raise InvalidInput(
+                f"{path}: part must be left out of such files, which have none, got {part!r}; "
+                "leave it out"
+            )
+        given = (path, dialect or Dialect(), limits if limits is not None else Limits())
+        return known.source(*given, *filter(None, [part]))
 
 
 def open_sink(path: str | os.PathLike) -> Sink:
