@@ -93,6 +93,7 @@ def decompose_file(
             left_out=tuple(reader.left_out),
             assumed=reader.assumed,
             consistency=check.result(),
+            notes=reader.notes,
             old_picture=beside if image is None and beside.is_file() else None,
         )
         summary.save(said_part)

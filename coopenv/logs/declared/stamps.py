@@ -36,20 +36,28 @@ def require_form(said: str) -> None:
         _pattern(said)
 
 
+class Origin:
+    """From when several files count their times: the first that is read."""
+
+    nanoseconds: int | None = None
+
+
 class Stamps:
-    """Times as text of one form, over all pieces of a file or of several files.
+    """Times as text of one form, over all pieces of a file.
 
     Parameters
     ----------
     form
         ``"iso"`` for ISO 8601, or directives as `datetime.datetime.strptime` takes them.
+    origin
+        Common to several files; one of its own if ``None``.
     """
 
-    def __init__(self, form: str):
+    def __init__(self, form: str, origin: Origin | None = None):
         self.rule = "a time as in ISO 8601" if form == ISO else f"a time like {form}"
         self._pattern = ISO_PATTERN if form == ISO else _pattern(form)
         self._has_day = form == ISO or any(f"%{each}" in form for each in "djmb")
-        self._origin: int | None = None  # [ns] the first of all
+        self._origin = origin or Origin()
         self._days = 0  # since the first one, where only the clock is written
         self._last: int | None = None
 
@@ -72,12 +80,12 @@ class Stamps:
 
     def of_nanoseconds(self, time: IntArray, usable: npt.NDArray[np.bool_]) -> FloatArray:
         """Seconds ``(T,)`` of whole nanoseconds; NaN where they are not usable."""
-        if self._origin is None:
+        if self._origin.nanoseconds is None:
             if not usable.any():
                 return np.full(len(time), np.nan)
-            self._origin = int(time[usable][0])
+            self._origin.nanoseconds = int(time[usable][0])
         with np.errstate(over="ignore"):
-            return np.where(usable, (time - self._origin) / SECOND, np.nan)
+            return np.where(usable, (time - self._origin.nanoseconds) / SECOND, np.nan)
 
     def _nanoseconds(self, found: Any) -> tuple[IntArray, npt.NDArray[np.bool_]]:
         """Nanoseconds of the parts of times, and which of them there are."""

@@ -73,6 +73,16 @@ def open_source(
         return known.source(*given, *filter(None, [part]))
 
 
+def parts_of(path: Path) -> list[str]:
+    """Streams that a file of this format keeps apart, such as topics; none of most formats."""
+    known = find_format(path)
+    if known.parts is None:
+        return []
+    require_file(path)
+    with reading(path):
+        return known.parts(path)
+
+
 def open_sink(path: str | os.PathLike) -> Sink:
     """Open a file for writing a table.
 

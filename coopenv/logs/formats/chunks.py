@@ -1,8 +1,9 @@
 """Types of file formats: chunks of columns, their source (reader) and their sink (writer)."""
 
+import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -49,6 +50,16 @@ class Chunk:
         return str(self.numbers[column][row])
 
 
+class Roles(NamedTuple):
+    """What columns are, for those that say something between samples."""
+
+    time: str = ""
+    factor: float = 1.0  # of the time, to seconds
+    quaternion: tuple[str, ...] = ()  # w, x, y, z
+    angle: str = ""  # of the orientation in the plane
+    period: float = math.tau  # of the angle, in its unit
+
+
 class Source(ABC):
     """Reader of a file of one format.
 
@@ -80,6 +91,9 @@ class Source(ABC):
 
     def offer(self, names: Iterable[str]) -> None:  # noqa: B027
         """Make parts of arrays columns, such as ``actions:0``, as far as there are such parts."""
+
+    def assign(self, roles: Roles) -> None:  # noqa: B027
+        """Say what columns are, before they are read."""
 
     @property
     def notes(self) -> Sequence[str]:
@@ -174,6 +188,7 @@ class Format(NamedTuple):
     suffixes: tuple[str, ...]  # of names, in small letters; tables get the first by default
     source: type[Source]
     sink: type[Sink] | None  # none of a format that is only read
+    parts: Callable[[Path], list[str]] | None = None  # of a format that keeps several streams apart
 
 
 PART = re.compile(r"(.+?)((?::\d{1,6})+)", re.DOTALL)  # actions:0, force:1:2
