@@ -11,6 +11,8 @@ from pathlib import Path
 from coopenv.errors import InvalidInput
 from coopenv.files import reading, require_file
 from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.formats.bags import BagSource, topics
+from coopenv.logs.formats.c3d import C3dSource, parts
 from coopenv.logs.formats.chunks import Format, Sink, Source
 from coopenv.logs.formats.hdf5 import Hdf5Source
 from coopenv.logs.formats.mat import MatSource
@@ -30,6 +32,8 @@ READ = (
     Format((".csv.gz", ".tsv.gz", ".txt.gz"), TextSource, None),
     Format((".mat",), MatSource, None),
     Format((".h5", ".hdf5", ".hdf", ".he5"), Hdf5Source, None),
+    Format((".mcap", ".db3", ".bag"), BagSource, None, topics),
+    Format((".c3d",), C3dSource, None, parts),
 )
 """Those that are only read."""
 

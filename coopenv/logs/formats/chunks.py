@@ -85,6 +85,7 @@ class Source(ABC):
     grips: FloatArray | None = None  # (n, 2 or 3) if the file has them once, in its own unit
     units: Mapping[str, str] = MappingProxyType({})  # column -> unit, where the file says it
     repeated: Collection[str] = ()  # documented names that several columns had
+    stamped: str = ""  # a column of time stamps, whatever is said of units
 
     @abstractmethod
     def __init__(self, path: Path, dialect: Dialect, limits: Limits): ...

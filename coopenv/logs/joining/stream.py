@@ -7,8 +7,9 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
+from coopenv.files import reading
 from coopenv.logs.declared.devices import Device
-from coopenv.logs.declared.stamps import Origin, Stamps, is_form
+from coopenv.logs.declared.stamps import ISO, Origin, Stamps, is_form
 from coopenv.logs.declared.units import UNITS, known_unit
 from coopenv.logs.formats import open_source
 from coopenv.logs.formats.chunks import Chunk, Column, Roles
@@ -53,7 +54,9 @@ class Stream:
         self.time_column = self._time_column(layout)
         unit = device.unit or layout.time
         said = self.source.units.get(self.time_column, "")
-        if said and not is_form(unit):
+        if self.time_column and self.time_column == self.source.stamped:
+            unit = ISO
+        elif said and not device.unit:
             unit = known_unit("time", said)
         self._stamps = Stamps(unit, origin) if is_form(unit) else None
         self._factor = 1.0 if self._stamps is not None else UNITS["time"][unit]
@@ -85,7 +88,12 @@ class Stream:
         column, row = self.time_column, 0
         asked = dict.fromkeys([*numbers, *[column] * bool(column)])
         stamps = {column: self._stamps} if column and self._stamps is not None else None
-        for chunk in self.source.chunks(list(asked), carried, stamps):
+        chunks = self.source.chunks(list(asked), carried, stamps)
+        while True:
+            with reading(self.path):
+                chunk = next(chunks, None)
+            if chunk is None:
+                return
             yield chunk, self._times(chunk, row)
             row += chunk.rows
 
