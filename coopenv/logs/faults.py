@@ -103,7 +103,8 @@ class Faults:
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (
-                    f", {called} must be {chunk.rules.get(column, chunk.rule)}, got {shown(chunk.text(row, column))!r}"
+                    f", {called} must be {chunk.rules.get(column, chunk.rule)}, got "
+                    f"{shown(chunk.text(row, column))!r}"
                 ),
             )
 

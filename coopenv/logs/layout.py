@@ -12,8 +12,8 @@ from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs.columns import is_documented
 from coopenv.logs.declared.devices import Joining
 from coopenv.logs.declared.dialect import require_flag
-from coopenv.logs.declared.units import UNITS, known_unit
 from coopenv.logs.declared.stamps import is_form, require_form
+from coopenv.logs.declared.units import UNITS, known_unit
 from coopenv.logs.layoutfile import load_fields
 from coopenv.logs.limits import Limits, shown
 

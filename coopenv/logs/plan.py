@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.errors import InvalidInput
 from coopenv.logs.columns import (
     EFFECTOR,
     ORIENTATION,
@@ -17,7 +17,7 @@ from coopenv.logs.columns import (
     quantity,
 )
 from coopenv.logs.declared.stamps import is_form
-from coopenv.logs.declared.units import UNITS, known_unit
+from coopenv.logs.declared.units import factor_of
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import Limits, shown
 
@@ -81,6 +81,7 @@ def make_plan(
     InvalidInput
         If a column is missing or said twice; the message names the nearest there is.
     """
+    units = units or {}
     found = _find(path, columns, layout, repeated)
     count = _count(path, found, layout.limits)
     need = _Need(path, columns, found)
@@ -113,8 +114,8 @@ def make_plan(
         num_effectors=count,
         dimension=dimension,
         source=source,
-        factor={name: _factor(path, name, found, columns, layout, units or {}) for name in source},
-        units={name: (units or {})[theirs] for name, theirs in source.items() if theirs in (units or {})},
+        factor={name: _factor(path, name, found, columns, layout, units) for name in source},
+        units={name: units[theirs] for name, theirs in source.items() if theirs in units},
         required=frozenset(required),
         carried=tuple(name for name in rest if name not in unused),
         unused=tuple(unused),
@@ -227,10 +228,11 @@ def _require_no_other_case(
     """Raise where a column that would be carried differs from a documented name in case alone."""
     for column in rest:
         name = column.strip().lower()
-        if name != column and is_documented(name) and not {name, column} & {*layout.columns, *found}:
+        settled = {name, column} & {*layout.columns, *found}
+        if name != column and is_documented(name) and not settled:
             raise InvalidInput(
-                f"{path}: column {shown(column)!r} must be called {name} if it is that, got another "
-                f"spelling; say --map {name}={shown(column)}, or --map {name}= if it is not"
+                f"{path}: column {shown(column)!r} must be called {name} if it is that, got "
+                f"another spelling; say --map {name}={shown(column)}, or --map {name}= if it is not"
             )
 
 
@@ -247,23 +249,8 @@ def _factor(
     scale = 1.0 if kind is None else layout.factor(kind)
     said = units.get(found[name], "")
     if kind is not None and said and not (kind == "time" and is_form(layout.time)):
-        unit, declared = _unit(path, found[name], kind, said), getattr(layout, kind)
-        if declared not in (unit, next(iter(UNITS[kind]))):
-            raise InvalidInput(
-                f"{path}, column {found[name]!r} must be in the unit that is declared, got {unit} "
-                f"in the file and {declared} declared; leave out --{kind.replace('_', '-')}"
-            )
-        scale = UNITS[kind][unit]
+        scale = factor_of(path, found[name], kind, said, getattr(layout, kind))
     return -scale if _negated(layout.columns.get(name, ""), columns) else scale
-
-
-def _unit(path: str, column: str, kind: str, said: str) -> str:
-    """The unit that a file says a column has."""
-    try:
-        return known_unit(kind, said)
-    except UnknownName as error:
-        error.args = (f"{path}, column {column!r}: {error}; correct the row of units",)
-        raise
 
 
 @dataclass(frozen=True, slots=True)

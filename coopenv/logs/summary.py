@@ -65,6 +65,7 @@ class Summary:
     left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used
     assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
     consistency: Consistency  # whether that goes with how the object moved
+    notes: tuple[str, ...] = ()  # what reading the file met: equal times, rows joined, gaps filled
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:

@@ -9,8 +9,8 @@ from typing import Any
 from coopenv.arrays import number
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs.declared.dialect import Dialect
-from coopenv.logs.declared.units import known_unit
 from coopenv.logs.declared.stamps import is_form, require_form
+from coopenv.logs.declared.units import known_unit
 from coopenv.logs.limits import shown
 
 METHODS = ("linear", "nearest", "previous")
@@ -49,7 +49,7 @@ class Joining(Dialect):
 
     sample_rate: float | None = None  # [Hz] of rows, where the recording has no column of time
     join: tuple[str, ...] = ()  # files beside it, NAME=PATH or PATH
-    files: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # name -> fields of a device
+    files: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # name -> fields of it
     clock: str = ""  # the device whose rows are kept; the recording itself if empty
     join_rate: float | None = None  # [Hz] rows are made at this rate instead
     join_method: str = "linear"  # or "nearest", "previous", or "rows": one beside the other
@@ -161,5 +161,3 @@ def _positive(value: Any, name: str) -> float:
     if given <= 0 or not math.isfinite(1 / given):
         raise InvalidInput(f"{name} must be positive, got {value!r}; change it")
     return given
-
-

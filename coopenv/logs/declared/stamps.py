@@ -12,7 +12,7 @@ from coopenv.logs.limits import shown
 
 ISO = "iso"
 SECOND, DAY = 10**9, 86_400 * 10**9  # [ns]
-MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec".split()
+MONTHS = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"]
 PARTS = {  # directive -> what stands there
     "Y": r"(?P<Y>\d{4})", "y": r"(?P<y>\d{2})", "m": r"(?P<m>\d{1,2})", "d": r"(?P<d>\d{1,2})",
     "b": r"(?P<b>[A-Za-z]{3})", "H": r"(?P<H>\d{1,2})", "I": r"(?P<I>\d{1,2})",
@@ -110,11 +110,11 @@ class Stamps:
         days = date.astype(np.int64)
         usable &= np.abs(days) < 100_000  # of which there are nanoseconds
         seconds = (hour * 60 + minute) * 60 + second - _offset(named.get("z"), len(usable))
-        time = np.where(usable, days, 0) * DAY + seconds * SECOND + _fraction(named.get("f"), usable)
-        return time, usable
+        time = np.where(usable, days, 0) * DAY + seconds * SECOND
+        return time + _fraction(named.get("f"), len(usable)), usable
 
     def _over_midnight(self, time: IntArray, usable: npt.NDArray[np.bool_]) -> IntArray:
-        """Times of a clock that goes on after midnight: one that falls by half a day is a day on."""
+        """Times of a clock that goes on after midnight: where it falls by half a day, a day on."""
         there = time[usable]
         if not len(there):
             return time
@@ -157,14 +157,14 @@ def _whole(column: Any, default: int) -> IntArray:
     from pyarrow import compute
 
     empty = compute.call_function("equal", [column, ""])
-    column = compute.if_else(empty, pa.scalar(str(default)), column)
+    column = compute.call_function("if_else", [empty, pa.scalar(str(default)), column])
     return column.fill_null(str(default)).cast(pa.int64()).to_numpy(zero_copy_only=False)
 
 
-def _fraction(column: Any, usable: npt.NDArray[np.bool_]) -> IntArray:
+def _fraction(column: Any, rows: int) -> IntArray:
     """Digits after the point as nanoseconds."""
     if column is None:
-        return np.zeros(len(usable), np.int64)
+        return np.zeros(rows, np.int64)
     from pyarrow import compute
 
     options = compute.PadOptions(9, "0")

@@ -4,7 +4,7 @@ import re
 import unicodedata
 from math import pi
 
-from coopenv.errors import UnknownName
+from coopenv.errors import InvalidInput, UnknownName
 
 POUND, KILOPOND = 4.4482216152605, 9.80665  # [N]
 INCH, FOOT = 0.0254, 0.3048  # [m]
@@ -105,6 +105,29 @@ def is_unit(said: str) -> bool:
     return any(_found(quantity, said) is not None for quantity in UNITS)
 
 
+def factor_of(path: str, column: str, quantity: str, said: str, declared: str) -> float:
+    """Factor to SI of a column of which the file itself says the unit.
+
+    Raises
+    ------
+    InvalidInput
+        If another unit than the default is declared.
+    UnknownName
+        If it is no unit of that quantity.
+    """
+    try:
+        unit = known_unit(quantity, said)
+    except UnknownName as error:
+        error.args = (f"{path}, column {column!r}: {error}; correct it in the file",)
+        raise
+    if declared not in (unit, next(iter(UNITS[quantity]))):
+        raise InvalidInput(
+            f"{path}, column {column!r} must be in the unit that is declared, got {unit} in the "
+            f"file and {declared} declared; leave out --{quantity.replace('_', '-')}"
+        )
+    return UNITS[quantity][unit]
+
+
 def _found(quantity: str, said: str) -> str | None:
     known = UNITS[quantity]
     if said in known:
@@ -114,7 +137,8 @@ def _found(quantity: str, said: str) -> str | None:
     text = EXPONENT.sub(r"/\1", text)
     if text in known:
         return text
-    words = {other: unit for unit, others in SPELLINGS[quantity].items() for other in others.split()}
+    spelled = SPELLINGS[quantity].items()
+    words = {other: unit for unit, others in spelled for other in others.split()}
     if text in words:
         return words[text]
     lower = text.lower()  # of words alone: in mN and MN the case says how much it is

@@ -1,6 +1,6 @@
 """ROS bags: topics of MCAP, SQLite and ROS 1 files, message by message, through rosbags.
 
-Numbers of a message are columns, called by the way to them: ``wrench/force/x``, ``pose/position/y``.
+Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -118,9 +118,9 @@ def _bag(path: Path) -> Iterator[Any]:
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag:
             yield bag
-    except (CoopenvError, GeneratorExit, MemoryError):
+    except CoopenvError:
         raise
-    except Exception as error:  # a dozen kinds where a file is damaged
+    except Exception as error:  # a dozen kinds where a file is damaged, MemoryError among them
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise InvalidInput(
@@ -151,7 +151,7 @@ def _numbers(message: Any, prefix: str, depth: int = 0) -> Iterator[str]:
         return
     for entry in fields(message):
         value = getattr(message, entry.name)
-        if isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool):
+        if isinstance(value, float | int | np.number) and not isinstance(value, bool):
             yield prefix + entry.name
         elif not (entry.name == "header" and not prefix):
             yield from _numbers(value, f"{prefix}{entry.name}.", depth + 1)
@@ -167,9 +167,6 @@ def _time(message: Any, logged: int) -> int:
 
 def _largest(bag: Any) -> int:
     """The most that a piece of the bag inflates to, as far as it says [bytes]."""
-    sizes = [0]
-    for reader in bag.readers:
-        for storage in getattr(reader, "storages", ()):
-            for chunk in getattr(storage, "chunks", ()) or ():
-                sizes.append(int(getattr(chunk, "uncompressed_size", 0)))
-    return max(sizes)
+    storages = [each for reader in bag.readers for each in getattr(reader, "storages", ())]
+    pieces = [piece for each in storages for piece in getattr(each, "chunks", None) or ()]
+    return max((int(getattr(piece, "uncompressed_size", 0)) for piece in pieces), default=0)

@@ -126,9 +126,9 @@ def _opened(path: Path) -> Iterator[Any]:
         with path.open("rb") as file, warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # what is cut is told by its frames
             yield c3d.Reader(file)
-    except (CoopenvError, GeneratorExit, MemoryError):
+    except CoopenvError:
         raise
-    except Exception as error:  # a dozen kinds where a file is damaged
+    except Exception as error:  # a dozen kinds where a file is damaged, MemoryError among them
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise InvalidInput(

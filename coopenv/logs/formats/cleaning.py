@@ -1,4 +1,4 @@
-"""Cleaning of text tables: plain fields and plain CSV of what laboratories write; names by position."""
+"""Cleaning of text tables: plain CSV of what laboratories write, and names by position."""
 
 import csv
 import re
@@ -37,8 +37,8 @@ def cleaner(
     """
     steps: list[Callable[[bytes], bytes]] = []
     if comment:
-        mark = re.compile(rb"(?m)^[ \t]*" + re.escape(comment.encode()) + rb"[^\n]*")
-        steps.append(lambda block: mark.sub(b"", block))
+        commented = re.compile(rb"(?m)^[ \t]*" + re.escape(comment.encode()) + rb"[^\n]*")
+        steps.append(lambda block: commented.sub(b"", block))
     if separator == BLANKS:
         steps.append(blanks_as_tabs)
     elif empty:

@@ -132,7 +132,7 @@ def _walk(group: Any, prefix: str, depth: int = 0) -> "Iterator[tuple[str, h5py.
 
 
 def _arrays(found: "h5py.Dataset") -> Iterator[tuple[str, tuple[int, ...], np.dtype]]:
-    """What a data set holds: field, shape and type; nothing where that is no array of a recording."""
+    """What a data set holds: field, shape and type; nothing where that is no array."""
     if found.shape is None:  # as that of a null space
         return
     fields = found.dtype.fields

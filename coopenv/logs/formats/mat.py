@@ -144,7 +144,7 @@ def _loaded(path: Path, limits: Limits, part: str) -> dict[str, npt.NDArray[Any]
             content = loadmat(path)
     except (InvalidInput, OSError):
         raise
-    except Exception as error:  # SciPy raises a dozen kinds where a file is damaged
+    except Exception as error:  # a dozen kinds where a file is damaged, MemoryError among them
         raise InvalidInput(
             f"{path} must be a MATLAB file, got {type(error).__name__}: {shown(error)}; save it "
             "again"

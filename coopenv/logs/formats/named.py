@@ -1,4 +1,4 @@
-"""Recordings that are arrays under names: which columns they hold, and reading these side by side."""
+"""Recordings that are arrays under names: which columns they hold, and reading them together."""
 
 import math
 from abc import abstractmethod
@@ -37,10 +37,14 @@ class Named(Protocol):
     """An array that is not read yet, rows first."""
 
     @property
-    def shape(self) -> tuple[int, ...]: ...
+    def shape(self) -> tuple[int, ...]:
+        """Rows first."""
+        ...
 
     @property
-    def dtype(self) -> np.dtype: ...
+    def dtype(self) -> np.dtype:
+        """Of its elements."""
+        ...
 
 
 class ArraySource(Source):

@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from coopenv.errors import InvalidInput
-from coopenv.logs.formats.arrays import Array, archive_of
 from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.formats.arrays import Array, archive_of
 from coopenv.logs.formats.chunks import Column, Sink
 from coopenv.logs.formats.named import ArraySource, Read
 from coopenv.logs.limits import Limits, shown

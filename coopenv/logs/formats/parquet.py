@@ -7,10 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, IntArray
+from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
+from coopenv.logs.formats.arrow import (
+    as_numpy,
+    bytes_of_rows,
+    is_list,
+    is_number,
+    is_text,
+    place_of_lists,
+    seconds,
+)
 from coopenv.logs.formats.chunks import (
     CHUNK_ROWS,
     Chunk,
@@ -49,16 +58,16 @@ class ParquetSource(Source):
         """Make places of lists columns, where these names ask for them."""
         for name in names:
             part = part_of(name)
-            if part is None or name in self.columns or not _is_list(self._types.get(part[0])):
+            if part is None or name in self.columns or not is_list(self._types.get(part[0])):
                 continue
-            listed, index = part
+            listed, (index, *more) = part
             kind = self._types[listed].value_type
-            if len(index) > 1 or not _is_number(kind):
+            if more or not is_number(kind):
                 raise InvalidInput(
                     f"{self._path}, column {listed!r} must be lists of numbers for {name!r}, got "
                     f"lists of {kind}; give one number, or convert it"
                 )
-            self._parts[name] = (listed, index[0])
+            self._parts[name] = (listed, index)
             self._types[name] = kind
             self.columns.append(name)
             self.left_out = [each for each in self.left_out if each != listed]
@@ -77,7 +86,7 @@ class ParquetSource(Source):
             self._require_kind(name, stamps)
         row = 1
         read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in (*numbers, *carried))
-        texts = [name for name in read if _is_text(self._types[name]) and name not in stamps]
+        texts = [name for name in read if is_text(self._types[name]) and name not in stamps]
         with (
             _parsing(self._path),
             parquet.ParquetFile(self._path, buffer_size=READ, read_dictionary=texts) as file,
@@ -86,7 +95,7 @@ class ParquetSource(Source):
             for batch in self._batches(file, list(read)):
                 yield Chunk(
                     numbers={name: self._numbers(batch, name, stamps) for name in numbers},
-                    carried={name: plain(_as_numpy(batch[name])) for name in carried},
+                    carried={name: plain(as_numpy(batch[name])) for name in carried},
                     rows=batch.num_rows,
                     first_row=row,
                     progress=(row - 1 + batch.num_rows) / total,
@@ -106,7 +115,7 @@ class ParquetSource(Source):
                 f"{self._path}, column {name!r} must hold times as text or time stamps, got "
                 f"{kind}; say their unit, as --time s"
             )
-        if name not in stamps and not _is_number(kind):
+        if name not in stamps and not is_number(kind):
             remedy = "say --time iso if it is time" if types.is_timestamp(kind) else "convert it"
             raise InvalidInput(
                 f"{self._path}, column {name!r} must hold numbers, got {kind}; {remedy}"
@@ -115,10 +124,10 @@ class ParquetSource(Source):
     def _numbers(self, batch: Any, name: str, stamps: Mapping[str, Stamps]) -> FloatArray:
         """A column of numbers, NaN where there is none."""
         if name in stamps:
-            return _seconds(batch[name], stamps[name])
+            return seconds(batch[name], stamps[name])
         if name in self._parts:
             listed, place = self._parts[name]
-            return _place_of_lists(batch[listed], place)
+            return place_of_lists(batch[listed], place)
         return batch[name].cast("float64", safe=False).to_numpy(zero_copy_only=False)
 
     def _batches(self, file: Any, names: list[str]) -> Iterator[Any]:
@@ -129,7 +138,7 @@ class ParquetSource(Source):
         ):
             if not batch.num_rows:
                 continue
-            size = sum(_text_bytes(column) for column in batch.columns)  # of each row
+            size = sum(bytes_of_rows(column) for column in batch.columns)  # of each row
             longest = int(np.max(size)) + 8 * len(names)
             place = f"{self._path}, row {first + int(np.argmax(size))}"
             self._limits.require("row_bytes", longest, place, "shorten it")
@@ -221,101 +230,3 @@ def _require_footer(path: Path) -> None:
             f"{path} must be a Parquet file with a footer of at most {FOOTER:,} bytes, got "
             f"{size:,}; write it with larger row groups, or again if it is damaged"
         )
-
-
-def _is_text(kind: Any) -> bool:
-    from pyarrow import types
-
-    return types.is_string(kind) or types.is_binary(kind)
-
-
-def _text_bytes(column: Any) -> Any:
-    """How long the text of each row ``(T,)`` is [bytes]; 0 where there is none."""
-    from pyarrow import compute, types
-
-    if _is_list(column.type):
-        return _list_bytes(column)
-    listed = types.is_dictionary(column.type)
-    texts = column.dictionary if listed else column
-    if not (_is_text(texts.type) or _is_large(texts.type)):
-        return 0
-    length = compute.call_function("binary_length", [texts])
-    if listed:
-        length = compute.take(length, column.indices)
-    return compute.fill_null(length, 0).to_numpy(zero_copy_only=False)
-
-
-def _is_number(kind: Any) -> bool:
-    from pyarrow import types
-
-    return types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind)
-
-
-def _is_list(kind: Any) -> bool:
-    from pyarrow import types
-
-    return kind is not None and (
-        types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)
-    )
-
-
-def _ends_of_lists(column: Any) -> tuple[IntArray, IntArray]:
-    """Where the list of each row begins in the values of all, and where it ends."""
-    from pyarrow import types
-
-    if types.is_fixed_size_list(column.type):
-        size = column.type.list_size
-        starts = (np.arange(len(column)) + column.offset) * size
-        ends = starts + size
-    else:
-        offsets = column.offsets.to_numpy()
-        starts, ends = offsets[:-1].astype(np.int64), offsets[1:].astype(np.int64)
-    there = column.is_valid().to_numpy(zero_copy_only=False)
-    return starts, np.where(there, ends, starts)
-
-
-def _place_of_lists(column: Any, place: int) -> FloatArray:
-    """What the list of each row has in a place; NaN where it is too short."""
-    starts, ends = _ends_of_lists(column)
-    values = column.values.cast("float64", safe=False).to_numpy(zero_copy_only=False)
-    there = starts + place < ends
-    made = np.full(len(starts), np.nan)
-    made[there] = values[starts[there] + place]
-    return made
-
-
-def _list_bytes(column: Any) -> Any:
-    """How much the list of each row holds ``(T,)`` [bytes]."""
-    starts, ends = _ends_of_lists(column)
-    return 8 * (ends - starts)
-
-
-def _seconds(column: Any, stamps: Stamps) -> FloatArray:
-    """Times as text or time stamps as seconds."""
-    from pyarrow import types
-
-    if not types.is_timestamp(column.type):
-        return stamps.of_texts(column)
-    there = column.is_valid().to_numpy(zero_copy_only=False)
-    zoneless = column.cast("int64").fill_null(0).to_numpy(zero_copy_only=False)
-    size = {"s": 10**9, "ms": 10**6, "us": 1000, "ns": 1}[column.type.unit]
-    return stamps.of_nanoseconds(zoneless * size, there)
-
-
-def _is_large(kind: Any) -> bool:
-    from pyarrow import types
-
-    return types.is_large_string(kind) or types.is_large_binary(kind)
-
-
-def _as_numpy(column: Any) -> Column:
-    """A column as an array; a text that many rows have is one object."""
-    from pyarrow import types
-
-    if not types.is_dictionary(column.type):
-        return np.asarray(column.to_numpy(zero_copy_only=False))
-    if not _is_text(column.type.value_type):
-        return np.asarray(column.dictionary_decode().to_numpy(zero_copy_only=False))
-    texts = np.array([*column.dictionary.to_pylist(), None], dtype=object)
-    places = column.indices.fill_null(len(texts) - 1)  # the last is none
-    return texts[places.to_numpy(zero_copy_only=False)]

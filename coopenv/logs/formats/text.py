@@ -17,12 +17,12 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source
 from coopenv.logs.formats.cleaning import BLANKS, cleaner, split
 from coopenv.logs.formats.encoded import Text
 from coopenv.logs.formats.head import SHORTEN, HeadReader
 from coopenv.logs.formats.lines import Lines
-from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once

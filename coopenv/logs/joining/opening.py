@@ -82,8 +82,8 @@ def _joined(path: Path, layout: Layout, devices: tuple[Device, ...], strict: boo
     several = sum(not device.path for device in devices) > 1
     if several and not layout.clock and layout.join_rate is None:
         raise InvalidInput(
-            f"{path} must be joined on the clock of one of its streams, got {', '.join(names)}; say "
-            f"--clock {names[0]}, or --join-rate"
+            f"{path} must be joined on the clock of one of its streams, got {', '.join(names)}; "
+            f"say --clock {names[0]}, or --join-rate"
         )
     origin = Origin()
     streams = [

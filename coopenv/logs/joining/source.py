@@ -1,8 +1,7 @@
-"""Files of several devices as one source: their samples at the times of one of them, or at a rate."""
+"""Files of several devices as one source, at the times of one of them or at a rate."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, Roles, Source
+from coopenv.logs.joining.rows import JoinedChunk
 from coopenv.logs.joining.stream import Stream
 
 TIME = "time"
@@ -133,7 +133,7 @@ class JoinedSource(Source):
         clock = "made" if self._clock is None else f"of {self._clock.name}"
         if self._others:
             said.append(
-                f"{self._kept:,} of {self._made:,} rows {clock} are where all devices have samples, "
+                f"{self._kept:,} of {self._made:,} rows {clock} where all devices have samples: "
                 f"{self._span[0]:.6g} s to {self._span[1]:.6g} s; between samples "
                 + ", ".join(f"{each.name} {each.method}" for each in self._others)
             )
@@ -163,7 +163,7 @@ class JoinedSource(Source):
                 angle=theirs[0].get(self._roles.angle, ""),
                 period=self._roles.period,
             )
-            stream.begin(*asked, roles)
+            stream.begin(asked[0], asked[1], roles)
         row = 1
         for rows in self._rows(numbers, carried, place):
             kept = self._common(rows.time)
@@ -191,7 +191,7 @@ class JoinedSource(Source):
                 self._read(float(known.min()), float(known.max()))
             yield _Rows(time, chunk, chunk.progress)
         for stream in self._others if self._by_rows else ():
-            stream.read_to(np.inf)
+            stream.read(np.inf, np.inf)
 
     def _at_rate(self) -> Iterator[_Rows]:
         assert self._rate is not None
@@ -200,7 +200,7 @@ class JoinedSource(Source):
             return
         first, k = float(np.ceil(begin * self._rate - 1e-6)), 0
         while True:
-            time = (first + np.arange(k, k + CHUNK_ROWS)) / self._rate
+            time: FloatArray = (first + np.arange(k, k + CHUNK_ROWS, dtype=float)) / self._rate
             self._read(float(time[0]), float(time[-1]))
             end = min(stream.span()[1] for stream in self._streams)
             time = time[time <= end]
@@ -213,8 +213,7 @@ class JoinedSource(Source):
 
     def _read(self, first: float, last: float) -> None:
         for stream in self._others:
-            stream.forget(first)
-            stream.read_to(last)
+            stream.read(first, last)
 
     def _common(self, time: FloatArray) -> BoolArray:
         """Which rows ``(T,)`` all devices have samples for; those without a time are kept."""
@@ -237,45 +236,36 @@ class JoinedSource(Source):
         first_row: int,
     ) -> Chunk:
         at, clock = rows.time[index], rows.chunk
-        made = {stream: stream.numbers_at(at) for stream in self._others}
-        others = {stream: stream.carried_at(at) for stream in self._others}
-        read: dict[str, FloatArray] = {}
-        for name in numbers:
-            if name == TIME:
-                read[name] = self._time(rows, index)
-            else:
-                stream, own = place[name]
-                values = made[stream][own] if stream in made else clock.numbers[own][index]  # pyright: ignore
-                read[name] = values
-        held: dict[str, Column] = {}
-        for name in carried:
-            stream, own = place[name]
-            held[name] = others[stream][own] if stream in others else clock.carried[own][index]  # pyright: ignore
-        bad = {} if clock is None else clock.bad
-        own = {name: c.name for name, c in place.items() if c.stream is self._clock}
-        if self._clock is not None and self._clock.time_column:
-            own[TIME] = self._clock.time_column
-        return _JoinedChunk(
-            numbers=read,
-            carried=held,
+        read: dict[Stream | None, Mapping[str, FloatArray]] = {}
+        held: dict[Stream | None, Mapping[str, Column]] = {}
+        for stream in self._others:
+            read[stream], held[stream] = stream.numbers_at(at), stream.carried_at(at)
+        own: dict[str, str] = {}
+        if self._clock is not None and clock is not None:
+            own = {name: c.name for name, c in place.items() if c.stream is self._clock}
+            read[self._clock] = {name: each[index] for name, each in clock.numbers.items()}
+            held[self._clock] = {name: each[index] for name, each in clock.carried.items()}
+            if self._clock.time_column:
+                own[TIME] = self._clock.time_column
+        made = {n: read[place[n].stream][place[n].name] for n in numbers if n != TIME}
+        if TIME in numbers:
+            made[TIME] = self._time(rows, index)
+        first = self._clock is self._streams[0]
+        return JoinedChunk(
+            numbers=made,
+            carried={n: held[place[n].stream][place[n].name] for n in carried},
             rows=len(index),
             first_row=first_row,
             progress=rows.progress,
-            rules={
-                name: clock.rules.get(theirs, clock.rule) for name, theirs in own.items()
-            } if clock is not None else {},
-            bad={name: bad[theirs][index] for name, theirs in own.items() if theirs in bad},
+            rules={n: clock.rules.get(c, clock.rule) for n, c in own.items()} if clock else {},
+            bad={n: clock.bad[c][index] for n, c in own.items() if clock and c in clock.bad},
             fields=None if clock is None or clock.fields is None else clock.fields[index],
             clock=clock,
-            called="" if self._clock is self._streams[0] or clock is None else self._clock_name(),
+            called="" if first or self._clock is None else f" of {self._clock.path}",
             index=index,
             own=own,
             owner={name: c.stream.name for name, c in place.items()},
-        )  # fmt: skip
-
-    def _clock_name(self) -> str:
-        assert self._clock is not None
-        return f" of {self._clock.path}"
+        )
 
     def _time(self, rows: _Rows, index: IntArray) -> FloatArray:
         """Time of the rows [s]."""
@@ -296,33 +286,8 @@ class JoinedSource(Source):
             spans = ", ".join(
                 f"{each.name} {each.first:.6g} s to {each.last:.6g} s" for each in self._others
             )
+            none = "" if self._clock is None else f" and no row of {self._clock.name} there"
             raise InvalidInput(
                 f"{self._streams[0].path}: devices must have samples at the same time, got {spans}"
-                f"{self._clock_span()}; look at their units of time and delays"
+                f"{none}; look at their units of time and delays"
             )
-
-    def _clock_span(self) -> str:
-        if self._clock is None:
-            return ""
-        return f" and no row of {self._clock.name} there"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _JoinedChunk(Chunk):
-    """Rows of a clock, with what others say at their times."""
-
-    clock: Chunk | None
-    called: str  # whose rows they are, if not of the recording itself
-    index: IntArray  # (T,) rows of the clock
-    own: Mapping[str, str] = field(default_factory=dict)  # column -> its name in the clock's file
-    owner: Mapping[str, str] = field(default_factory=dict)  # column -> device
-
-    def place(self, row: int) -> str:
-        if self.clock is None:
-            return f"row {self.first_row + row}"
-        return self.clock.place(int(self.index[row])) + self.called
-
-    def text(self, row: int, column: str) -> str:
-        if self.clock is not None and column in self.own:
-            return self.clock.text(int(self.index[row]), self.own[column])
-        return f"no sample of {self.owner.get(column, column)} that is near enough"

@@ -1,4 +1,4 @@
-"""Samples of one device, read ahead as far as somebody asks for and forgotten when they are over."""
+"""Samples of one device, read as far as somebody asks for and forgotten when they are over."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -97,13 +97,17 @@ class Stream:
             yield chunk, self._times(chunk, row)
             row += chunk.rows
 
-    def read_to(self, time: float) -> None:
-        """Read until every column has a sample at that time or later, or none that is near."""
-        while not self.ended and self.last <= time + self.gap and not self._covers(time):
-            self._read()
+    def read(self, first: float, last: float) -> None:
+        """Read what is needed between two times, up to where every column has a later sample.
 
-    def forget(self, time: float) -> None:
-        """Drop what is of no use for this time and later ones."""
+        What is of no use for the first of them and later ones is dropped.
+        """
+        self._forget(first)
+        while not self.ended and self.last <= last + self.gap and not self._covers(last):
+            self._read()
+            self._forget(first)
+
+    def _forget(self, time: float) -> None:
         kept = slice(int(np.searchsorted(self._time, time - 2 * self.gap)), None)
         self._time = self._time[kept]
         self._values = {name: values[kept] for name, values in self._values.items()}
@@ -177,7 +181,7 @@ class Stream:
         return True
 
     def _usable(self, chunk: Chunk, time: FloatArray) -> np.ndarray:
-        """Which rows ``(T,)`` are samples; raises at what is damaged, unless that is passed over."""
+        """Which rows ``(T,)`` are samples; raises at damaged ones, unless they are passed over."""
         column = self.time_column or "time"
         whole = chunk.whole & np.isfinite(time)
         known = np.concatenate([[self.last], np.where(whole, time, -np.inf)])
@@ -254,8 +258,8 @@ class Stream:
             )
         if not there and not self._by_rows:
             raise InvalidInput(
-                f"{self.path}: column {wanted} must be there to join it, got none of that name; say "
-                f"time or rate under [files.{self.name}], or --join-method rows; has: "
+                f"{self.path}: column {wanted} must be there to join it, got none of that name; "
+                f"say time or rate under [files.{self.name}], or --join-method rows; has: "
                 f"{', '.join(map(shown, source.columns[:30]))}"
             )
         return there
