@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class Decompose:
     """Decompose a recorded trial: table, picture and summary beside the file, the summary here too.
 
-    Reads CSV, NPZ or Parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on;
-    docs/recordings.md lists them all.
+    Reads .csv, .npz or .parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on,
+    also .csv.gz, .mat, .h5, .mcap, .db3, .bag and .c3d; docs/recordings.md lists them all.
     """
 
     file: Path
@@ -99,7 +99,7 @@ class Decompose:
     trial_columns: tuple[str, ...] | None = None
     """A new value in one of them begins a new trial; pair, condition and trial by default."""
     time: str | None = None
-    """Unit: s (default), ms, us, ns, min, h."""
+    """Unit: s (default), ms, us, ns, min, h. Or how times are written: iso, or %H:%M:%S.%f."""
     length: str | None = None
     """Unit: m (default), cm, mm, um, in, ft."""
     angle: str | None = None

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from coopenv.arrays import IntArray
 from coopenv.logs.formats.chunks import Chunk
 
@@ -27,4 +29,6 @@ class JoinedChunk(Chunk):
         """What the clock's file says; of other devices, that they say nothing."""
         if self.clock is not None and column in self.own:
             return self.clock.text(int(self.index[row]), self.own[column])
+        if not np.isnan(self.numbers[column][row]):
+            return str(self.numbers[column][row])
         return f"no sample of {self.owner.get(column, column)} that is near enough"

@@ -185,13 +185,29 @@ class JoinedSource(Source):
             [place[n].name for n in names if n in place and place[n].stream is self._clock]
             for names in (numbers, carried)
         ]
+        last = -np.inf
         for chunk, time in self._clock.chunks(*own):
             known = time[np.isfinite(time)]
             if len(known):
+                self._require_order(chunk, time, last)
+                last = float(known.max())
                 self._read(float(known.min()), float(known.max()))
             yield _Rows(time, chunk, chunk.progress)
         for stream in self._others if self._by_rows else ():
             stream.read(np.inf, np.inf)
+
+    def _require_order(self, chunk: Chunk, time: FloatArray, last: float) -> None:
+        """Raise where the clock begins again, unless bad rows are passed over."""
+        before = np.fmax.accumulate(np.concatenate([[last], time]))[:-1]
+        falls = np.flatnonzero(time < before)
+        if len(falls) and self._others and self._streams[0].strict:
+            assert self._clock is not None
+            row = int(falls[0])
+            raise InvalidInput(
+                f"{self._clock.place(chunk, row)}: time of a clock must increase, got "
+                f"{time[row]:.12g} s after {before[row]:.12g} s; join one trial at a time, or pass "
+                "over bad rows with --bad-rows skip"
+            )
 
     def _at_rate(self) -> Iterator[_Rows]:
         assert self._rate is not None

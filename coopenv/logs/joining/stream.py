@@ -60,7 +60,7 @@ class Stream:
             unit = known_unit("time", said)
         self._stamps = Stamps(unit, origin) if is_form(unit) else None
         self._factor = 1.0 if self._stamps is not None else UNITS["time"][unit]
-        self._strict = strict
+        self.strict = strict
         self.rows = self.equal = self.dropped = 0  # read; with the stamp before; damaged
         self.first, self.last, self.ended = np.nan, -np.inf, False
 
@@ -212,7 +212,7 @@ class Stream:
             )
         wrong = np.zeros(chunk.rows, np.bool_)
         for rows, describe in faults:
-            if rows.any() and self._strict:
+            if rows.any() and self.strict:
                 row = int(np.flatnonzero(rows)[0])
                 raise InvalidInput(
                     f"{self.place(chunk, row)}{describe(row)}; repair it, or pass over bad rows "
