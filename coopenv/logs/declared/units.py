@@ -42,6 +42,7 @@ UNITS: dict[str, dict[str, float]] = {
 
 TIMES = re.compile(r"\s*[*·⋅∙•×.\-−_]\s*|\s+")  # between the parts of a product, NFKC
 EXPONENT = re.compile(r"\*?([a-z]+)(?:\^?\*|\^-)1$")  # of m s^-1, once its blanks are "*"
+ANY_CASE = ("rpm", "deg", "rad", "min", "lbf", "kgf")
 SPELLINGS: dict[str, dict[str, str]] = {
     "time": {
         "s": "sec secs second seconds",
@@ -142,4 +143,6 @@ def _found(quantity: str, said: str) -> str | None:
     if text in words:
         return words[text]
     lower = text.lower()  # of words alone: in mN and MN the case says how much it is
-    return words.get(lower) if len(lower.strip("/*°")) > 3 or lower == "rpm" else None
+    if lower in ANY_CASE and lower in UNITS[quantity]:
+        return lower
+    return words.get(lower) if len(lower.strip("/*°")) > 3 else None

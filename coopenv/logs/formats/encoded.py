@@ -46,7 +46,7 @@ class Text:
         raw = self._path.open("rb")
         file = self._bytes(raw)
         file.read(len(self._mark))
-        if self.encoding not in ("utf-8", "ascii"):
+        if self.encoding != "utf-8":
             file = io.BufferedReader(_Decoded(file, self.encoding, self._path), PIECE)
         return Stream(file, raw, self._size)
 

@@ -155,13 +155,15 @@ class HeadReader:
                 return line, comment
             if not mark:
                 break
-        seen = "an empty file" if not number else "a blank line"
-        if number and number <= self.dialect.skip_lines:
-            seen = f"a file of {number} lines"
-        place = f"line {max(number, min(self.dialect.skip_lines, number) + 1, 1)}"
+        if 0 < number <= self.dialect.skip_lines:
+            raise InvalidInput(
+                f"{self.path} must have its header below the {self.dialect.skip_lines} lines that are "
+                f"skipped, got {number} lines; lower --skip-lines"
+            )
+        seen = "a blank line" if number else "an empty file"
         raise InvalidInput(
-            f"{self.path}, {place} must name the columns, got {seen}; begin the file with its "
-            "header, or say --skip-lines"
+            f"{self.path}, line {max(number, 1)} must name the columns, got {seen}; begin the file "
+            "with its header, or say --skip-lines"
         )
 
     def _require_text(self, line: _Line) -> None:
