@@ -162,7 +162,11 @@ def test_memory_does_not_grow_with_the_rows_that_are_joined(tmp_path):
         ({"left": {"time": "t"}}, "time of left must be one of its columns, got 't'; has: time"),
         (
             {"left": {"unit": "h"}},
-            "devices must have samples at the same time, got left 0 s to 252",
+            "line 3, column 'f1x' must be .* got 'no sample of left that",
+        ),
+        (
+            {"left": {"delay": 1e3}},
+            "samples at the same time, got left -1000 s to -999.9",
         ),
         ({"left": {"rate": 100}}, "sample_rate must be left out where there is a column of time"),
         ({"left": {"part": "a"}}, "part must be left out of such files, which have none, got 'a'"),
@@ -198,7 +202,7 @@ def test_a_damaged_sample_names_its_file_and_line_or_is_passed_over(tmp_path):
     for bad, says in (
         (
             lines[4].replace(",3.0,", ",x,"),
-            "left.csv, line 5, column 'f1y' must be a finite number",
+            "left.csv, line 5, column 'f1x' must be a finite number",
         ),
         (f"{lines[4]},7", "left.csv, line 5 must have as many fields as the header"),
         (lines[2], "left.csv, line 5, column 'time' must increase, got 0.01 s later"),

@@ -157,8 +157,8 @@ class HeadReader:
                 break
         if 0 < number <= self.dialect.skip_lines:
             raise InvalidInput(
-                f"{self.path} must have its header below the {self.dialect.skip_lines} lines that are "
-                f"skipped, got {number} lines; lower --skip-lines"
+                f"{self.path} must have its header below the {self.dialect.skip_lines} lines that "
+                f"are skipped, got {number} lines; lower --skip-lines"
             )
         seen = "a blank line" if number else "an empty file"
         raise InvalidInput(
