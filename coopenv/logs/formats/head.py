@@ -108,17 +108,17 @@ class HeadReader:
             empty=empty,
         )
 
-    def fields(self, line: str, place: str) -> list[str]:
+    def fields(self, line: str, place: str, separator: str = "") -> list[str]:
         """Fields of a line, without quotation marks and blanks around them."""
-        if self._separator == BLANKS:
-            line = blanks_as_tabs(line.encode()).decode()
-        separator = "\t" if self._separator == BLANKS else self._separator
+        separator = separator or self._separator
+        if separator == BLANKS:
+            line, separator = blanks_as_tabs(line.encode()).decode(), "\t"
         return [each.strip() for each in split(self.path, line, separator, place)]
 
-    def _peeked(self, line: _Line) -> list[str]:
+    def _peeked(self, line: _Line, separator: str = "") -> list[str]:
         """Fields of a row, which is read again later; none where it is damaged."""
         try:
-            return self.fields(line.text, line.place) or [""]
+            return self.fields(line.text, line.place, separator) or [""]
         except InvalidInput:
             return [""]
 
@@ -212,12 +212,10 @@ class HeadReader:
     def _require_names(self, names: _Line, rows: list[_Line]) -> None:
         """Raise where a line that should name columns is of a preamble, and a later one does."""
         for line, following in pairwise(rows):
-            trial = HeadReader(self.path, self.dialect, self.limits)
-            trial._separator = max(SEPARATORS, key=line.text.count)
-            if not line.text.count(trial._separator):
-                trial._separator = BLANKS
-            called, below = trial._peeked(line), trial._peeked(following)
-            if FEW < len(called) == len(below) and not self._is_numeric(line):
+            separator = max(SEPARATORS, key=line.text.count)
+            separator = separator if line.text.count(separator) else BLANKS
+            called, below = (len(self._peeked(each, separator)) for each in (line, following))
+            if FEW < called == below and not self._is_numeric(line):
                 raise InvalidInput(
                     f"{self.path}, {names.place} must name the columns, got "
                     f"{shown(names.text, 40)!r}, where {line.place} looks like names; say "

@@ -91,7 +91,7 @@ class ArraySource(Source):
         for name in numbers:
             self._require_numbers(self._columns[name][0], stamps.get(name))
         wanted = list(dict.fromkeys(self._columns[name][0] for name in (*numbers, *carried)))
-        most = rows_at_once(CHUNK_ROWS, self._row_bytes(wanted))
+        most = rows_at_once(CHUNK_ROWS, self.row_bytes(wanted))
         with self._reader(wanted) as read_rows:
             for first in range(0, self._rows, most):
                 rows = min(most, self._rows - first)
@@ -113,14 +113,14 @@ class ArraySource(Source):
     def _reader(self, wanted: Sequence[str]) -> AbstractContextManager[Read]:
         """What reads rows of these arrays, always the next ones."""
 
-    def _row_bytes(self, wanted: Sequence[str]) -> int:
+    def row_bytes(self, wanted: Sequence[str]) -> int:
         """Of these arrays side by side; raises where that is, or one of them asks for, too much."""
-        row_bytes = sum(
+        size = sum(
             math.prod(self._shape(name)[1:]) * self._arrays[name].dtype.itemsize for name in wanted
         )
         remedy = "leave out what is not needed"
-        self._limits.require("row_bytes", row_bytes, f"{self._path}", remedy)
-        return row_bytes
+        self._limits.require("row_bytes", size, f"{self._path}", remedy)
+        return size
 
     def _text(self, values: Column, name: str) -> Column:
         """The same, if it holds no text that is none."""
@@ -182,7 +182,7 @@ class ArraySource(Source):
         rows = self._arrays["grips"].shape[0]
         self._require_numbers("grips")
         self._require_few("grips", rows)
-        self._row_bytes(["grips"])
+        self.row_bytes(["grips"])
         with self._reader(["grips"]) as read:
             return read("grips", 0, rows).astype(np.float64)
 

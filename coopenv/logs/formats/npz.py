@@ -58,7 +58,8 @@ class NpzSource(ArraySource):
 
             yield read
 
-    def _row_bytes(self, wanted: Sequence[str]) -> int:
+    def row_bytes(self, wanted: Sequence[str]) -> int:
+        """See `ArraySource`; an array in Fortran order is read whole."""
         whole = 0
         for name in wanted:
             array = self._files[name]
@@ -66,7 +67,7 @@ class NpzSource(ArraySource):
                 whole += array.size
                 place = f"{self._path}, array {name!r} in Fortran order"
                 self._limits.require("block_bytes", whole, place, "save it in C order")
-        return super()._row_bytes(wanted)
+        return super().row_bytes(wanted)
 
     def _text(self, values: Column, name: str) -> Column:
         """The same, if it holds no code that is no character."""
