@@ -62,7 +62,8 @@ def _units(layout: Layout, plan: Plan) -> str:
     said: dict[bool, list[str]] = {False: [], True: []}
     in_file = {quantity(name): unit for name, unit in plan.units.items()}
     for kind in UNITS:
-        if kind in kinds and kind not in in_file:
+        of_grips = kind == "length" and layout.grips is not None  # which the file does not say
+        if kind in kinds and (kind not in in_file or of_grips):
             unit = getattr(layout, kind)
             said[unit == DEFAULTS[kind]].append(f"{kind.replace('_', ' ')} {unit}")
     by_default = [f"by default {', '.join(said[True])}"] if said[True] else []

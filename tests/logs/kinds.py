@@ -457,11 +457,11 @@ KINDS: tuple[Kind, ...] = (
         write=hdf5(
             lambda: {
                 f"{group}/{name}": values
-                for group, names, said in (
-                    ("left", NAMES[:3], {}),
-                    ("right", NAMES[3:], {"every": 0.004}),
+                for group, names, every in (
+                    ("left", NAMES[:3], 0.01),
+                    ("right", NAMES[3:], 0.004),
                 )
-                for name, values in devices.sampled(recorded(), names, **said).items()
+                for name, values in devices.sampled(recorded(), names, every=every).items()
             }
         ),
         layout={

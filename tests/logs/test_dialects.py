@@ -118,6 +118,8 @@ def test_an_encoding_is_read_in_pieces_like_the_whole(encoding, tmp_path, monkey
     monkeypatch.setattr("coopenv.logs.formats.text.BLOCK", 37)
     found = trial(tmp_path, text.encode(encoding), encoding=encoding)
     assert found.carried["note"][49] in ("Ω力49", "äß€49")
+    np.testing.assert_array_equal(found.applied[:, 0, 0], np.ones(50))
+    assert found.time is not None
     assert found.time.tolist() == list(range(50))
 
 

@@ -1,6 +1,7 @@
 """Files of several devices become one recording on time, and gaps between samples are filled."""
 
 import tracemalloc
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +39,13 @@ def devices(folder, left=None, right=None, motion=None):
     return save(folder / "motion.csv", text({"time": time, "mark": np.arange(len(time))}))
 
 
-def joined(path, *, bad_rows="error", left=None, right=None, **said):
+def seconds(recording):
+    """Times of a recording that has them."""
+    assert recording.time is not None
+    return recording.time
+
+
+def joined(path, *, bad_rows="error", left=None, right=None, **said: Any):
     files = {
         "left": {"path": "left.csv", **(left or {})},
         "right": {"path": "right.csv", **(right or {})},
@@ -82,7 +89,7 @@ def test_angles_go_the_shorter_way_round():
 def test_quaternions_turn_as_slerp_does():
     rng = np.random.default_rng(0)
     time, at = np.arange(6.0), np.linspace(0.0, 5.0, 23)
-    rotations = Rotation.random(6, rng=rng)
+    rotations = Rotation.from_quat(rng.normal(size=(6, 4)))
     quaternions = rotations.as_quat()[:, [3, 0, 1, 2]]
     quaternions[::2] *= -1  # the same orientations
     found = slerped(time, quaternions, at, "linear", 1.0)
@@ -98,13 +105,13 @@ def test_rows_are_those_of_the_clock_where_all_have_samples(tmp_path):
     path = devices(tmp_path, left=np.arange(20) / 250, right=np.arange(-4, 12) / 200)
     found = joined(path)
     assert found.carried["mark"].tolist() == [0, 1, 2, 3, 4, 5]  # right ends at 0.055 s
-    np.testing.assert_allclose(found.applied[:, 0, 0], 100 * found.time)
-    np.testing.assert_allclose(found.applied[:, 1, 2], 100 * found.time)
+    np.testing.assert_allclose(found.applied[:, 0, 0], 100 * seconds(found))
+    np.testing.assert_allclose(found.applied[:, 1, 2], 100 * seconds(found))
     on_right = joined(path, clock="right")
-    np.testing.assert_allclose(on_right.time, np.arange(12) / 200)
+    np.testing.assert_allclose(seconds(on_right), np.arange(12) / 200)
     at_rate = joined(path, join_rate=1000.0)
-    np.testing.assert_allclose(at_rate.time, np.arange(56) / 1000)
-    np.testing.assert_allclose(at_rate.applied[:, 1, 0], 100 * at_rate.time)
+    np.testing.assert_allclose(seconds(at_rate), np.arange(56) / 1000)
+    np.testing.assert_allclose(at_rate.applied[:, 1, 0], 100 * seconds(at_rate))
 
 
 def test_what_a_device_stamps_late_is_taken_back(tmp_path):
@@ -129,7 +136,12 @@ def test_however_many_rows_are_read_at_once_the_same_comes_of_it(tmp_path, monke
     path = devices(
         tmp_path, left=np.unique(left), right=np.unique(right), motion=np.arange(100) / 100
     )
-    for said in ({}, {"join_rate": 333.0}, {"clock": "left", "join_method": "nearest"}):
+    ways: tuple[dict[str, Any], ...] = (
+        {},
+        {"join_rate": 333.0},
+        {"clock": "left", "join_method": "nearest"},
+    )
+    for said in ways:
         whole = joined(path, **said)
         with monkeypatch.context() as patch:
             patch.setattr("coopenv.logs.formats.text.BLOCK", 200)
@@ -193,7 +205,15 @@ def test_what_cannot_be_joined_is_explained(said, says, tmp_path):
 )
 def test_what_is_wrong_with_a_device_is_said_with_its_name(files, says):
     with pytest.raises(CoopenvError, match=says):
-        Layout(files=files).devices("motion")
+        Layout(files=files)
+
+
+def test_a_wrong_device_in_a_layout_names_the_file_of_the_layout(tmp_path):
+    path = save(tmp_path / "lab.toml", '[files.left]\npath = "left.csv"\nrate = "fast"\n')
+    with pytest.raises(
+        InvalidInput, match=r"lab\.toml: files\.left: rate must be a number, got 'f"
+    ):
+        Layout.load(path)
 
 
 def test_a_damaged_sample_names_its_file_and_line_or_is_passed_over(tmp_path):

@@ -78,6 +78,7 @@ class Joining(Dialect):
                 f"files must be tables of fields by the names of devices, got {shown(self.files)}; "
                 "write [files.left]"
             )
+        self.devices("recording")  # raises where one is wrong
         self.devices("recording")
 
     @property
