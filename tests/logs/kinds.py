@@ -107,6 +107,12 @@ def matrix() -> Any:
     return np.stack([recorded()[name] for name in NAMES], axis=-1)
 
 
+def records() -> Any:
+    """All columns as one array of records."""
+    rows = list(zip(*recorded().values(), strict=True))
+    return np.array(rows, dtype=[(name, np.float64) for name in recorded()])
+
+
 def parts(array: str) -> dict[str, str]:
     """A mapping to its columns."""
     return {name: f"{array}:{k}" for k, name in enumerate(NAMES)}
@@ -445,9 +451,7 @@ KINDS: tuple[Kind, ...] = (
     Kind(
         name="HDF5, a compound data set",
         said="`--map time=table/time f1x=table/f1x …`",
-        write=hdf5(
-            lambda: {"table": np.rec.fromarrays(list(recorded().values()), names=list(recorded()))}
-        ),
+        write=hdf5(lambda: {"table": records()}),
         layout={"columns": {name: f"table/{name}" for name in recorded()}},
         needs="h5py",
     ),
