@@ -128,7 +128,7 @@ def read(
     reader = Reader(path, layout, bad_rows=bad_rows)
     recording = Recording.joined(list(reader))
     for note in reader.faults.notes:
-        warnings.warn(note, stacklevel=2)
+        warnings.warn(note.removeprefix("warning: "), stacklevel=2)
     decimal = layout.decimal if layout is not None else "."
     carried = {name: _as_numbers(column, decimal) for name, column in recording.carried.items()}
     recording.carried.update(carried)
@@ -153,7 +153,8 @@ class Reader:
             source, self.layout = open_recording(path, given, strict=bad_rows != "skip")
         self._source = source
         theirs = self.layout.columns.values()
-        source.offer([name for each in theirs for name in (each, each.removeprefix("-"))])
+        with naming(self.path):
+            source.offer([name for each in theirs for name in (each, each.removeprefix("-"))])
         columns = source.columns
         require_short_names(self.path, (*columns, *source.left_out))
         with naming(self.path):

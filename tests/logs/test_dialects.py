@@ -4,11 +4,15 @@ import gzip
 import io
 
 import numpy as np
-import pandas as pd
-import pyarrow as pa
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+pytest.importorskip("pandas")
+pytest.importorskip("pyarrow")
+
+import pandas as pd
+import pyarrow as pa
 
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs import Layout, read

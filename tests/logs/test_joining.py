@@ -190,6 +190,25 @@ def test_what_cannot_be_joined_is_explained(said, says, tmp_path):
         joined(devices(tmp_path), **said)
 
 
+def test_a_part_that_two_devices_have_is_not_guessed(tmp_path):
+    time = np.arange(8) / 100
+    for name in ("left", "right"):
+        np.savez(tmp_path / f"{name}.npz", time=time, F=np.ones((8, 3)))
+    path = save(tmp_path / "motion.csv", text({"time": time}))
+    files = {name: {"path": f"{name}.npz"} for name in ("left", "right")}
+    columns = {"f1x": "F:0", "f1y": "left/F:1", "t1z": "-left/F:2"}
+    with pytest.raises(InvalidInput, match=r"motion\.csv: F:0 must be .* write left/F:0"):
+        read(path, Layout(grips=ONE, files=files, columns=columns))
+    columns["f1x"] = "right/F:0"
+    found = read(path, Layout(grips=ONE, files=files, columns=columns))
+    assert found.applied[3, 0].tolist() == [1.0, 1.0, -1.0]
+
+
+def test_a_rate_that_makes_more_rows_than_the_limit_is_refused(tmp_path):
+    with pytest.raises(InvalidInput, match="at join_rate must have at most 1,000 rows, got"):
+        joined(devices(tmp_path), join_rate=1e6, max_rows=1000)
+
+
 @pytest.mark.parametrize(
     ("files", "says"),
     [

@@ -167,6 +167,10 @@ def _time(message: Any, logged: int) -> int:
 
 def _largest(bag: Any) -> int:
     """The most that a piece of the bag inflates to, as far as it says [bytes]."""
-    storages = [each for reader in bag.readers for each in getattr(reader, "storages", ())]
-    pieces = [piece for each in storages for piece in getattr(each, "chunks", None) or ()]
+    stores = [getattr(reader, "storage", reader) for reader in bag.readers]
+    pieces = [piece for store in stores for piece in _pieces(getattr(store, "chunks", ()))]
     return max((int(getattr(piece, "uncompressed_size", 0)) for piece in pieces), default=0)
+
+
+def _pieces(chunks: Any) -> list[Any]:
+    return list(chunks.values() if isinstance(chunks, dict) else chunks)

@@ -98,6 +98,5 @@ def _joined(path: Path, layout: Layout, devices: tuple[Device, ...], strict: boo
         for device in devices
     ]
     clock = streams[names.index(layout.clock) if layout.clock else 0]
-    return JoinedSource(
-        streams, clock if layout.join_rate is None else None, layout.join_rate, by_rows=by_rows
-    )
+    kept = clock if layout.join_rate is None else None
+    return JoinedSource(streams, kept, layout.join_rate, layout.limits, by_rows=by_rows)

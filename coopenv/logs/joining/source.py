@@ -12,6 +12,7 @@ from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, Roles, Source
 from coopenv.logs.joining.rows import JoinedChunk
 from coopenv.logs.joining.stream import Stream
+from coopenv.logs.limits import Limits
 
 TIME = "time"
 
@@ -46,6 +47,8 @@ class JoinedSource(Source):
         Whose rows are kept; ``None`` to make them at a rate.
     rate
         [Hz], if no device is the clock.
+    limits
+        On the rows that are made at a rate.
     by_rows
         Whether rows are put beside each other whatever their times are.
     """
@@ -55,11 +58,12 @@ class JoinedSource(Source):
         streams: Sequence[Stream],
         clock: Stream | None,
         rate: float | None,
+        limits: Limits,
         *,
         by_rows: bool = False,
     ):
         self._streams, self._clock, self._rate = tuple(streams), clock, rate
-        self._by_rows = by_rows
+        self._limits, self._by_rows = limits, by_rows
         self._roles = Roles()
         self._place: dict[str, _Column] = {}
         count = Counter(name for stream in streams for name in stream.columns)
@@ -99,20 +103,23 @@ class JoinedSource(Source):
         for name in names:
             if name in self._place:
                 continue
-            for stream in self._streams:
-                own = name.removeprefix(f"{stream.name}/")
-                if own != name or len(self._streams) == 1 or not self._found(name):
-                    self._offer(name, stream, own)
+            of_device = [each for each in self._streams if name.startswith(f"{each.name}/")]
+            for stream in of_device or self._streams:
+                own = name.removeprefix(f"{stream.name}/") if of_device else name
+                self._offer(name, stream, own)
         self._list()
-
-    def _found(self, name: str) -> bool:
-        return name in self._place
 
     def _offer(self, name: str, stream: Stream, own: str) -> None:
         if own not in stream.source.columns:
             stream.source.offer([own])
         if own not in stream.columns:
             return
+        if name in self._place:
+            first = self._place[name].stream.name
+            raise InvalidInput(
+                f"{name} must be a column of one device, got it of {first} and {stream.name}; "
+                f"write {first}/{name}"
+            )
         for other, there in list(self._place.items()):
             if there == (stream, own):  # under its name alone
                 del self._place[other]
@@ -222,7 +229,9 @@ class JoinedSource(Source):
             time = time[time <= end]
             if not len(time):
                 return
-            yield _Rows(time, None, 0.0)
+            place = f"{self._streams[0].path} at join_rate"
+            self._limits.require("rows", k + len(time), place, "lower it")
+            yield _Rows(time, None, min(stream.progress for stream in self._streams))
             if len(time) < CHUNK_ROWS:
                 return
             k += CHUNK_ROWS

@@ -63,6 +63,7 @@ class Stream:
         self.strict = strict
         self.rows = self.equal = self.dropped = 0  # read; with the stamp before; damaged
         self.first, self.last, self.ended = np.nan, -np.inf, False
+        self.progress = 0.0  # share of the file that has been read
 
     @property
     def columns(self) -> list[str]:
@@ -162,9 +163,10 @@ class Stream:
         """The next piece; whether there was one."""
         found = next(self._chunks, None)
         if found is None:
-            self.ended = True
+            self.ended, self.progress = True, 1.0
             return False
         chunk, time = found
+        self.progress = chunk.progress
         self.rows += chunk.rows
         usable = self._usable(chunk, time)
         kept = {name: chunk.numbers[name][usable] for name in self._numbers}
