@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
+from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source
+from coopenv.logs.formats.damage import parsing
 from coopenv.logs.limits import Limits, shown
 
 TIME = "time"
@@ -115,18 +116,11 @@ def _bag(path: Path) -> Iterator[Any]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise MissingExtra("reading ROS bags", "ros") from error
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag:
-            yield bag
-    except CoopenvError:
-        raise
-    except Exception as error:  # a dozen kinds where a file is damaged, MemoryError among them
-        if isinstance(error, OSError) and error.errno is not None:
-            raise
-        raise InvalidInput(
-            f"{path} must be a whole ROS bag, got {type(error).__name__}: {shown(error)}; record "
-            "or convert it again"
-        ) from error
+    with (
+        parsing(path, "a whole ROS bag", "record or convert it again"),
+        AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag,
+    ):
+        yield bag
 
 
 def _topics(bag: Any) -> dict[str, dict[str, str]]:

@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
+from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import is_unit
 from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source, rows_at_once
 from coopenv.logs.formats.cleaning import numbered
+from coopenv.logs.formats.damage import parsing
 from coopenv.logs.limits import Limits, shown
 
 TIME = "time"
@@ -122,19 +123,14 @@ def _opened(path: Path) -> Iterator[Any]:
         import c3d
     except ImportError as error:
         raise MissingExtra("reading C3D", "formats") from error
-    try:
-        with path.open("rb") as file, warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")  # what is cut is told by its frames
-            yield c3d.Reader(file)
-    except CoopenvError:
-        raise
-    except Exception as error:  # a dozen kinds where a file is damaged, MemoryError among them
-        if isinstance(error, OSError) and error.errno is not None:
-            raise
-        raise InvalidInput(
-            f"{path} must be a whole C3D file, got {type(error).__name__}: {shown(error)}; export "
-            "it again"
-        ) from error
+    with (
+        parsing(path, "a whole C3D file", "export it again"),
+        path.open("rb") as file,
+        warnings.catch_warnings(),
+        np.errstate(all="ignore"),
+    ):
+        warnings.simplefilter("ignore")  # what is cut is told by its frames
+        yield c3d.Reader(file)
 
 
 def _parts(reader: Any) -> list[str]:

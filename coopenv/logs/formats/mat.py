@@ -18,6 +18,7 @@ import numpy.typing as npt
 from coopenv.errors import InvalidInput
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.chunks import Source
+from coopenv.logs.formats.damage import parsing
 from coopenv.logs.formats.hdf5 import data_sets, opened
 from coopenv.logs.formats.named import BLOCKS, ArraySource, Read
 from coopenv.logs.limits import Limits, shown
@@ -129,26 +130,18 @@ def _loaded(path: Path, limits: Limits, part: str) -> dict[str, npt.NDArray[Any]
 
     remedy = "save it with -v7.3, or in parts"
     inflated = _inflated(path, limits, remedy)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of variables that are there twice
-            claimed = 0
-            for name, shape, kind in whosmat(path):
-                claimed += 8 * math.prod(shape)
-                if math.prod(shape) > inflated:
-                    raise InvalidInput(
-                        f"{path}, variable {shown(name)!r} must be as large as it says, {shape} of "
-                        f"{kind}, got {inflated:,} bytes in all; save it again"
-                    )
-            limits.require("block_bytes", claimed, f"{path}", remedy)
-            content = loadmat(path)
-    except (InvalidInput, OSError):
-        raise
-    except Exception as error:  # a dozen kinds where a file is damaged, MemoryError among them
-        raise InvalidInput(
-            f"{path} must be a MATLAB file, got {type(error).__name__}: {shown(error)}; save it "
-            "again"
-        ) from error
+    with parsing(path, "a MATLAB file", "save it again"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of variables that are there twice
+        claimed = 0
+        for name, shape, kind in whosmat(path):
+            claimed += 8 * math.prod(shape)
+            if math.prod(shape) > inflated:
+                raise InvalidInput(
+                    f"{path}, variable {shown(name)!r} must be as large as it says, {shape} of "
+                    f"{kind}, got {inflated:,} bytes in all; save it again"
+                )
+        limits.require("block_bytes", claimed, f"{path}", remedy)
+        content = loadmat(path)
     found = dict(_walk({k: v for k, v in content.items() if not k.startswith("__")}, ""))
     limits.require("columns", len(found), f"{path}", "leave out what is not needed")
     if not part:
