@@ -9,6 +9,7 @@ from coopenv.logs.analysis import RESULTS
 from coopenv.logs.columns import INPUT
 from coopenv.logs.layout import UNITS, Layout
 from coopenv.logs.limits import MEANING
+from tests.logs.kinds import table_rows
 
 PAGE = DOCS / "recordings.md"
 
@@ -22,6 +23,7 @@ def tables() -> dict[str, str]:
     ]
     return {
         "columns": markdown(("in the plane", "in space", "unit", "what"), INPUT),
+        "kinds": markdown(("kind of file", "said of it"), table_rows()),
         "units": markdown(("field, option", "known, the first is the default"), units),
         "limits": markdown(("option", "default", "the most"), limits),
         "results": markdown(("column", "unit", "what"), RESULTS),

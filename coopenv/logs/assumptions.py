@@ -60,12 +60,16 @@ def _units(layout: Layout, plan: Plan) -> str:
     if layout.grips is not None:
         kinds.add("length")
     said: dict[bool, list[str]] = {False: [], True: []}
+    in_file = {quantity(name): unit for name, unit in plan.units.items()}
     for kind in UNITS:
-        if kind in kinds:
+        of_grips = kind == "length" and layout.grips is not None  # which the file does not say
+        if kind in kinds and (kind not in in_file or of_grips):
             unit = getattr(layout, kind)
             said[unit == DEFAULTS[kind]].append(f"{kind.replace('_', ' ')} {unit}")
     by_default = [f"by default {', '.join(said[True])}"] if said[True] else []
-    return "; ".join([*filter(None, [", ".join(said[False])]), *by_default])
+    of_file = [f"{str(kind).replace('_', ' ')} {unit}" for kind, unit in in_file.items()]
+    by_file = [f"in the file {', '.join(of_file)}"] if of_file else []
+    return "; ".join([*filter(None, [", ".join(said[False])]), *by_file, *by_default])
 
 
 def _grips(layout: Layout, plan: Plan, grips: FloatArray | None) -> str:

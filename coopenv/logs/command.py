@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class Decompose:
     """Decompose a recorded trial: table, picture and summary beside the file, the summary here too.
 
-    Reads CSV, NPZ or Parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on;
-    docs/recordings.md lists them all.
+    Reads .csv, .npz or .parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on,
+    also .csv.gz, .mat, .h5, .mcap, .db3, .bag and .c3d; docs/recordings.md lists them all.
     """
 
     file: Path
@@ -67,23 +67,51 @@ class Decompose:
     forces_only: Annotated[bool, ALONE] = False
     """The effectors apply no torque, and the file has no such columns."""
     decimal: str | None = None
-    """What separates decimals in a CSV file: . (default) or a comma."""
+    """What separates decimals in a text file: . (default) or a comma."""
+    encoding: str | None = None
+    """Of a text file; UTF-8 by default, and UTF-16 where it begins so. Others: cp1252, latin-1."""
+    separator: str | None = None
+    """In a text file: comma, semicolon, tab, bar (|) or blanks; what the header has most of by
+    default."""
+    comment: str | None = None
+    """Lines of a text file that begin with this mark are passed over, such as #."""
+    skip_lines: int | None = None
+    """Lines of a text file before its header; 0 by default."""
+    no_header: Annotated[bool, ALONE] = False
+    """A text file has no header: its columns are called 0, 1, 2 and so on."""
+    units_row: Annotated[bool, ALONE] = False
+    """The line below the header says the unit of each column."""
+    sample_rate: float | None = None
+    """Rows a second [Hz], where the recording has no column of time."""
+    join: tuple[str, ...] | None = None
+    """Files of other devices that recorded the same trial, NAME=PATH or PATH."""
+    clock: str | None = None
+    """The device whose rows are kept; the recording itself by default."""
+    join_rate: float | None = None
+    """Rows are made at this rate [Hz], instead of those of a device."""
+    join_method: str | None = None
+    """What a device says between its samples: linear (default), nearest, previous; or rows, one
+    beside the other."""
+    fill: str | None = None
+    """Fill missing values: linear, nearest or previous; none by default."""
+    longest_gap: float | None = None
+    """Between samples that is bridged, in joining and filling [s]; 0.1 by default."""
     trial_columns: tuple[str, ...] | None = None
     """A new value in one of them begins a new trial; pair, condition and trial by default."""
     time: str | None = None
-    """Unit: s (default), ms, us, ns, min."""
+    """Unit: s (default), ms, us, ns, min, h. Or how times are written: iso, or %H:%M:%S.%f."""
     length: str | None = None
-    """Unit: m (default), cm, mm, in, ft."""
+    """Unit: m (default), cm, mm, um, in, ft."""
     angle: str | None = None
-    """Unit: rad (default), deg."""
+    """Unit: rad (default), deg, mrad."""
     velocity: str | None = None
     """Unit: m/s (default), cm/s, mm/s, in/s, ft/s."""
     angular_velocity: str | None = None
     """Unit: rad/s (default), deg/s, rpm."""
     force: str | None = None
-    """Unit: N (default), mN, kN, lbf, kgf."""
+    """Unit: N (default), mN, kN, lbf, ozf, kgf, gf."""
     torque: str | None = None
-    """Unit: N*m (default), N*cm, N*mm, kN*m, lbf*in, lbf*ft, kgf*m."""
+    """Unit: N*m (default), N*cm, N*mm, mN*m, kN*m, lbf*in, lbf*ft, ozf*in, kgf*m, kgf*cm, gf*cm."""
     max_row_bytes: int | None = None
     """The most that a row may have, of text a line; 1,048,576 by default."""
     max_columns: int | None = None
@@ -108,11 +136,11 @@ class Decompose:
         from coopenv.logs.run import decompose_file
         from coopenv.wrench import Settings
 
-        options = [entry.name for entry in fields(Layout) if entry.name != "columns"]
+        options = [e.name for e in fields(Layout) if e.name not in ("columns", "files")]
         said: dict[str, Any] = {
             name: getattr(self, name)
             for name in options
-            if getattr(self, name) is not None and (name != "forces_only" or self.forces_only)
+            if getattr(self, name) is not None and getattr(self, name) is not False
         }
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         settings = Settings(

@@ -38,6 +38,7 @@ class Faults:
         self.count = 0
         self.first = ""  # what is wrong with the first
         self._row: int | None = None  # its number
+        self._equal, self._first_equal = 0, ""  # rows with the time of the row before
         self._path, self._columns, self._plan, self._bad_rows = path, columns, plan, bad_rows
 
     def good_rows(self, chunk: Chunk, starts: BoolArray, previous_time: FloatArray) -> BoolArray:
@@ -102,7 +103,8 @@ class Faults:
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (
-                    f", {called} must be {chunk.rule}, got {shown(chunk.text(row, column))!r}"
+                    f", {called} must be {chunk.rules.get(column, chunk.rule)}, got "
+                    f"{shown(chunk.text(row, column))!r}"
                 ),
             )
 
@@ -121,7 +123,8 @@ class Faults:
         if self._plan.has(["time"]):
             column = self._plan.source["time"]
             time = chunk.numbers[column]
-            bad = ~starts & (time <= previous)
+            bad = ~starts & (time < previous)
+            self._count_equal(chunk, ~starts & (time == previous))
             yield (
                 bad,
                 lambda row: (
@@ -129,6 +132,22 @@ class Faults:
                     f"{previous[row]:.12g}"
                 ),
             )
+
+    def _count_equal(self, chunk: Chunk, equal: BoolArray) -> None:
+        """Equal time stamps are told, and cost nothing."""
+        if equal.any():
+            self._equal += int(equal.sum())
+            self._first_equal = self._first_equal or chunk.place(int(np.flatnonzero(equal)[0]))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is odd about rows that are good all the same."""
+        if not self._equal:
+            return ()
+        return (
+            f"warning: {self._equal:,} rows of {self._path} have the time of the row before, the "
+            f"first in {self._first_equal}",
+        )
 
     def _quaternion(self, chunk: Chunk, *_: object):
         names = ORIENTATION[3]

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -11,27 +10,12 @@ import numpy as np
 from coopenv.arrays import FloatArray, finite_array, whole
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs.columns import is_documented
+from coopenv.logs.declared.devices import Joining
+from coopenv.logs.declared.dialect import require_flag
+from coopenv.logs.declared.stamps import is_form, require_form
+from coopenv.logs.declared.units import UNITS, known_unit
 from coopenv.logs.layoutfile import load_fields
 from coopenv.logs.limits import Limits, shown
-
-UNITS: dict[str, dict[str, float]] = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
-    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
-    "angle": {"rad": 1.0, "deg": pi / 180},
-    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "in/s": 0.0254, "ft/s": 0.3048},
-    "angular_velocity": {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30},
-    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665},
-    "torque": {
-        "N*m": 1.0,
-        "N*cm": 1e-2,
-        "N*mm": 1e-3,
-        "kN*m": 1e3,
-        "lbf*in": 4.4482216152605 * 0.0254,
-        "lbf*ft": 4.4482216152605 * 0.3048,
-        "kgf*m": 9.80665,
-    },
-}
-"""What may be declared for each quantity, and its factor to SI; the first is the default."""
 
 LARGEST = 1e50  # of what is measured, in SI units: products of it are numbers still
 
@@ -42,12 +26,11 @@ CHOICES = {
     "grip_frame": ("object", "world"),
     "y": ("up", "down"),
     "space": ("auto", "plane", "space"),
-    "decimal": (".", ","),
 }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
+class Layout(Joining):
     """How to understand a file; the default is the documented columns in SI units.
 
     Raises
@@ -71,9 +54,8 @@ class Layout:
     y: str = "up"  # "down" turns the sign of y, planar torques and angles
     space: str = "auto"  # "plane" leaves out what points out of it, "space" wants all of it
     forces_only: bool = False  # the effectors apply no torque, and the file has none
-    decimal: str = "."  # of the numbers in a CSV file
     trial_columns: tuple[str, ...] = ("pair", "condition", "trial")  # a new value: a new trial
-    time: str = "s"
+    time: str = "s"  # or "iso", or a form as "%H:%M:%S.%f": counted from the first row then
     length: str = "m"
     angle: str = "rad"
     velocity: str = "m/s"
@@ -88,6 +70,7 @@ class Layout:
     max_block_bytes: int = LIMITS.block_bytes
 
     def __post_init__(self):
+        Joining.__post_init__(self)
         if self.twist_frame is None:
             object.__setattr__(self, "twist_frame", self.frame)
         for name in (*CHOICES, *UNITS):
@@ -102,17 +85,13 @@ class Layout:
         for name, known in CHOICES.items():
             if getattr(self, name) not in known:
                 raise UnknownName(name, getattr(self, name), known)
-        for quantity, known in UNITS.items():
-            unit = str(getattr(self, quantity)).replace("·", "*")
-            unit = {"Nm": "N*m", "Nmm": "N*mm", "Ncm": "N*cm"}.get(unit, unit)
-            if unit not in known:
-                raise UnknownName(f"unit of {quantity}", unit, known)
-            object.__setattr__(self, quantity, unit)
-        if not isinstance(self.forces_only, bool):
-            raise InvalidInput(
-                f"forces_only must be true or false, got {self.forces_only!r}; write it without "
-                "quotation marks"
-            )
+        for quantity in UNITS:
+            said = getattr(self, quantity)
+            if quantity == "time" and is_form(said):
+                require_form(said)
+            else:
+                object.__setattr__(self, quantity, known_unit(quantity, said))
+        require_flag("forces_only", self.forces_only)
         for name, theirs in self.columns.items():
             if not isinstance(theirs, str):
                 raise InvalidInput(
@@ -142,7 +121,7 @@ class Layout:
 
     def factor(self, quantity: str) -> float:
         """What a number of that quantity is multiplied with to be in SI units."""
-        return UNITS[quantity][getattr(self, quantity)]
+        return UNITS[quantity].get(getattr(self, quantity), 1.0)  # times as text come in seconds
 
     def grips_of(self, num_effectors: int) -> FloatArray | None:
         """The grips ``(n, 2)`` or ``(n, 3)`` [m] of that many effectors, y as in the file."""

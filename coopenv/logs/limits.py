@@ -10,8 +10,8 @@ MEANING = {
     "row_bytes": "bytes of a row; of text, of a line, the header too",
     "columns": "columns",
     "effectors": "effectors",
-    "rows": "rows of NPZ and Parquet, which say how many they have before they are read",
-    "block_bytes": "bytes that can only be read at once: arrays in Fortran order, row groups",
+    "rows": "rows of formats that say how many they have before they are read, as NPZ does",
+    "block_bytes": "bytes that can only be read at once: Fortran order, row groups, old MATLAB",
 }
 """What each limit is on, for the page on recordings."""
 

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -16,6 +16,8 @@ from coopenv.logs.columns import (
     is_documented,
     quantity,
 )
+from coopenv.logs.declared.stamps import is_form
+from coopenv.logs.declared.units import factor_of
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import Limits, shown
 
@@ -33,6 +35,7 @@ class Plan:
     dimension: int  # 2 or 3
     source: dict[str, str]  # documented name -> column of the file
     factor: dict[str, float]  # documented name -> factor to SI units, sign included
+    units: dict[str, str]  # documented name -> unit, where the file says it
     required: frozenset[str]  # documented names that must be finite in a good row
     carried: tuple[str, ...]  # columns of the file
     unused: tuple[str, ...]  # columns with a documented name that mean nothing here
@@ -48,7 +51,13 @@ class Plan:
 
 
 def make_plan(
-    path: str, columns: Sequence[str], layout: Layout, *, grips_in_file: bool = False
+    path: str,
+    columns: Sequence[str],
+    layout: Layout,
+    *,
+    grips_in_file: bool = False,
+    units: Mapping[str, str] | None = None,
+    repeated: Collection[str] = (),
 ) -> Plan:
     """Find the documented columns among those of a file.
 
@@ -62,13 +71,18 @@ def make_plan(
         How its columns are called, their frames and units.
     grips_in_file
         Whether the file says the grips otherwise, once for all rows.
+    units
+        Column → unit, where the file says it.
+    repeated
+        Documented names that several columns had, of which the layout must say which is meant.
 
     Raises
     ------
     InvalidInput
         If a column is missing or said twice; the message names the nearest there is.
     """
-    found = _find(path, columns, layout)
+    units = units or {}
+    found = _find(path, columns, layout, repeated)
     count = _count(path, found, layout.limits)
     need = _Need(path, columns, found)
     need("f1x", "f1y")
@@ -93,13 +107,15 @@ def make_plan(
     source = {name: found[name] for name in required + optional}
     taken = set(source.values())
     rest = [name for name in columns if name not in taken]
+    _require_no_other_case(path, rest, found, layout)
     # carried, they would mean something where the table is read again
     unused = dict.fromkeys(name for name in rest if is_documented(name) or NUMBERED.fullmatch(name))
     return Plan(
         num_effectors=count,
         dimension=dimension,
         source=source,
-        factor={name: _factor(name, columns, layout) for name in source},
+        factor={name: _factor(path, name, found, columns, layout, units) for name in source},
+        units={name: units[theirs] for name, theirs in source.items() if theirs in units},
         required=frozenset(required),
         carried=tuple(name for name in rest if name not in unused),
         unused=tuple(unused),
@@ -107,9 +123,17 @@ def make_plan(
     )
 
 
-def _find(path: str, columns: Sequence[str], layout: Layout) -> dict[str, str]:
+def _find(
+    path: str, columns: Sequence[str], layout: Layout, repeated: Collection[str]
+) -> dict[str, str]:
     """Documented name → column, of all that are there."""
     there = set(columns)
+    for name in repeated:
+        if name not in layout.columns:
+            raise InvalidInput(
+                f"{path}: columns must differ, got {name!r} twice; rename one, or say which is "
+                f"meant, --map {name}={name} or {name}={name}.1"
+            )
     if len(there) < len(columns):
         twice = next(name for name, number in Counter(columns).items() if number > 1)
         raise InvalidInput(f"{path}: columns must differ, got {twice!r} twice; rename one")
@@ -198,10 +222,34 @@ def _pose(layout: Layout, dimension: int, grips_vary: bool, twist: bool) -> list
     return names
 
 
-def _factor(name: str, columns: Sequence[str], layout: Layout) -> float:
+def _require_no_other_case(
+    path: str, rest: Sequence[str], found: dict[str, str], layout: Layout
+) -> None:
+    """Raise where a column that would be carried differs from a documented name in case alone."""
+    for column in rest:
+        name = column.strip().lower()
+        settled = {name, column} & {*layout.columns, *found}
+        if name != column and is_documented(name) and not settled:
+            raise InvalidInput(
+                f"{path}: column {shown(column)!r} must be called {name} if it is that, got "
+                f"another spelling; say --map {name}={shown(column)}, or --map {name}= if it is not"
+            )
+
+
+def _factor(
+    path: str,
+    name: str,
+    found: dict[str, str],
+    columns: Sequence[str],
+    layout: Layout,
+    units: Mapping[str, str],
+) -> float:
     """What the numbers of a documented column are multiplied with: unit and sign."""
     kind = quantity(name)
     scale = 1.0 if kind is None else layout.factor(kind)
+    said = units.get(found[name], "")
+    if kind is not None and said and not (kind == "time" and is_form(layout.time)):
+        scale = factor_of(path, found[name], kind, said, getattr(layout, kind))
     return -scale if _negated(layout.columns.get(name, ""), columns) else scale
 
 

@@ -1,6 +1,8 @@
 """Recordings of trials and their reader: SI units, object frame, y up."""
 
+import math
 import os
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
@@ -12,10 +14,12 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
 from coopenv.files import reading
 from coopenv.logs.assumptions import assumptions
+from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.convert import Measured, in_si, turned_over
+from coopenv.logs.declared.stamps import Stamps, is_form
 from coopenv.logs.faults import Faults
-from coopenv.logs.formats import open_source
-from coopenv.logs.formats.chunks import Chunk, Column
+from coopenv.logs.formats.chunks import Chunk, Column, Roles
+from coopenv.logs.joining import open_recording
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import require_short_names
 from coopenv.logs.plan import make_plan
@@ -99,7 +103,7 @@ class Recording:
 def read(
     path: str | os.PathLike, layout: Layout | None = None, *, bad_rows: str = "error"
 ) -> Recording:
-    """Read a CSV, NPZ or Parquet file of recorded trials.
+    """Read a file of recorded trials, of any format on docs/recordings.md.
 
     Parameters
     ----------
@@ -121,7 +125,10 @@ def read(
     MissingExtra
         If reading it needs the extra ``analysis``.
     """
-    recording = Recording.joined(list(Reader(path, layout, bad_rows=bad_rows)))
+    reader = Reader(path, layout, bad_rows=bad_rows)
+    recording = Recording.joined(list(reader))
+    for note in reader.faults.notes:
+        warnings.warn(note.removeprefix("warning: "), stacklevel=2)
     decimal = layout.decimal if layout is not None else "."
     carried = {name: _as_numbers(column, decimal) for name, column in recording.carried.items()}
     recording.carried.update(carried)
@@ -141,17 +148,35 @@ class Reader:
         self, path: str | os.PathLike, layout: Layout | None = None, *, bad_rows: str = "error"
     ):
         self.path = os.fspath(path)
-        self.layout = layout if layout is not None else Layout()
-        self._source = open_source(path, self.layout.decimal, self.layout.limits)
-        columns, grips_in_file = self._source.columns, self._source.grips is not None
-        require_short_names(self.path, (*columns, *self._source.left_out))
+        given = layout if layout is not None else Layout()
         with naming(self.path):
-            self.plan = make_plan(self.path, columns, self.layout, grips_in_file=grips_in_file)
+            source, self.layout = open_recording(path, given, strict=bad_rows != "skip")
+        self._source = source
+        theirs = self.layout.columns.values()
+        with naming(self.path):
+            source.offer([name for each in theirs for name in (each, each.removeprefix("-"))])
+        columns = source.columns
+        require_short_names(self.path, (*columns, *source.left_out))
+        with naming(self.path):
+            self.plan = make_plan(
+                self.path,
+                columns,
+                self.layout,
+                grips_in_file=source.grips is not None,
+                units=source.units,
+                repeated=source.repeated,
+            )
+            source.assign(self._roles())
         self.faults = Faults(self.path, columns, self.plan, bad_rows)
         self.left_out = [*self._source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
         self.assumed = assumptions(self.layout, self.plan, self._grips)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What there is to say once all rows are read."""
+        return (*self.faults.notes, *self._source.notes)
 
     def __iter__(self) -> Iterator[Recording]:
         plan = self.plan
@@ -169,13 +194,31 @@ class Reader:
 
     def _chunks(self) -> Iterator[Chunk]:
         """Those of the file; what is damaged further on shows only here."""
-        chunks = self._source.chunks(list(self.plan.source.values()), self.plan.carried)
+        numbers = list(dict.fromkeys(self.plan.source.values()))
+        chunks = self._source.chunks(numbers, self.plan.carried, self._stamps())
         while True:
             with reading(self.path):
                 chunk = next(chunks, None)
             if chunk is None:
                 return
             yield chunk
+
+    def _roles(self) -> Roles:
+        """What the columns are that are not only numbers."""
+        source, names = self.plan.source, ORIENTATION[self.plan.dimension]
+        there = tuple(source[name] for name in names if name in source)
+        return Roles(
+            time=source.get("time", ""),
+            factor=self.layout.factor("time"),
+            quaternion=there if len(there) == 4 else (),
+            angle=source.get("theta", ""),
+            period=math.tau / abs(self.plan.factor.get("theta", 1.0)),
+        )
+
+    def _stamps(self) -> dict[str, Stamps]:
+        """Columns that are times as text."""
+        form, time = self.layout.time, self.plan.source.get("time")
+        return {time: Stamps(form)} if time is not None and is_form(form) else {}
 
     def _trial_columns(self) -> list[str]:
         """Those there are; the default ones need not be."""

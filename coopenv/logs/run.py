@@ -10,7 +10,7 @@ from coopenv.files import require_file, require_writable, writing, written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.consistency import Check
 from coopenv.logs.figure import Picture
-from coopenv.logs.formats import find_format, open_sink
+from coopenv.logs.formats import FORMATS, find_format, open_sink, table_beside
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import legible
@@ -93,6 +93,7 @@ def decompose_file(
             left_out=tuple(reader.left_out),
             assumed=reader.assumed,
             consistency=check.result(),
+            notes=reader.notes,
             old_picture=beside if image is None and beside.is_file() else None,
         )
         summary.save(said_part)
@@ -132,10 +133,8 @@ def _fill(
 def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
     """Where the input is and the table goes."""
     require_file(path)
-    known = find_format(path).suffixes
-    suffix = path.suffix if len(known) == 1 else known[0]  # a table is CSV, whatever text was read
-    table = path.with_name(f"{path.stem}.decomposed{suffix}") if out is None else out
-    find_format(table)
+    table = table_beside(path) if out is None else out
+    find_format(table, FORMATS)
     with writing(table):
         if table.exists() and table.samefile(path):
             raise InvalidInput(

@@ -65,6 +65,7 @@ class Summary:
     left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used
     assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
     consistency: Consistency  # whether that goes with how the object moved
+    notes: tuple[str, ...] = ()  # what reading the file met: equal times, rows joined, gaps filled
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
@@ -103,7 +104,7 @@ class Summary:
             lines.append(f"left out, as no columns or not used: {', '.join(self.left_out)}")
         if self.old_picture is not None:
             lines.append(f"{legible(self.old_picture)} was there before and shows another table")
-        lines += [f"assumed {line}" for line in self.assumed]
+        lines += [*self.notes, *(f"assumed {line}" for line in self.assumed)]
         lines += [self._motion(), *(f"warning: {each}" for each in self.consistency.warnings)]
         worst = self.worst
         lines.append(
@@ -180,6 +181,7 @@ class Collector:
         left_out: tuple[str, ...],
         assumed: tuple[str, ...],
         consistency: Consistency,
+        notes: tuple[str, ...] = (),
         old_picture: Path | None = None,
     ) -> Summary:
         """Summary of all rows so far, with what only the caller knows."""
@@ -201,6 +203,7 @@ class Collector:
             left_out=left_out,
             assumed=assumed,
             consistency=consistency,
+            notes=tuple(map(legible, notes)),
             old_picture=old_picture,
         )
 

@@ -50,10 +50,18 @@ def test_every_result_is_on_the_page_and_in_the_table(tmp_path):
 
 
 def test_the_layout_of_the_page_reads_such_a_file(tmp_path):
-    (toml,) = [one.code for one in snippets(recordings.PAGE) if one.language == "toml"]
+    _, toml = [one.code for one in snippets(recordings.PAGE) if one.language == "toml"]
     (tmp_path / "lab.toml").write_text(toml)
     layout, columns = Layout.load(tmp_path / "lab.toml"), cases.planar(20)
     theirs = {"time": "t", "f1x": "Fx_left", "t1z": "Mz_left"}
     renamed = {theirs.get(name, name): values for name, values in columns.items()}
     recording = read(cases.save(renamed, tmp_path / "b.npz"), layout)
     np.testing.assert_allclose(recording.applied[:, 0, 2], -columns["t1z"])
+
+
+def test_the_layout_of_devices_on_the_page_is_one(tmp_path):
+    toml, _ = [one.code for one in snippets(recordings.PAGE) if one.language == "toml"]
+    (tmp_path / "lab.toml").write_text(toml)
+    motion, left, right = Layout.load(tmp_path / "lab.toml").devices("motion")
+    assert (motion.path, left.unit, left.delay, left.dialect.skip_lines) == ("", "ms", 0.1, 3)
+    assert (right.rate, right.start, right.dialect.skip_lines) == (1000.0, 0.0, 0)

@@ -10,6 +10,7 @@ import pytest
 
 from coopenv.arrays import FloatArray
 from coopenv.logs import formats
+from coopenv.logs.formats import named
 
 BEAM = (-0.9, 0.0, 0.9, 0.0)
 
@@ -110,8 +111,8 @@ def load(path: Path) -> dict:
 
 def set_chunk(rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Have every format read that many rows at a time, of text about as many."""
-    for known in formats.FORMATS:
-        module = import_module(known.source.__module__)
+    modules = {known.source.__module__ for known in (*formats.FORMATS, *formats.READ)}
+    for module in map(import_module, (*modules, named.__name__)):
         for name, size in (("CHUNK_ROWS", rows), ("BLOCK", 150 * rows)):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, size)

@@ -292,7 +292,7 @@ def test_npz_needs_no_extra(tmp_path, monkeypatch):
 def test_rows_that_are_passed_over_are_nan_and_counted(tmp_path):
     columns = cases.planar(10)
     columns["f1x"][3] = np.inf
-    columns["time"][6] = columns["time"][5]
+    columns["time"][6] = columns["time"][4]
     for suffix in cases.FORMATS:
         path = cases.save(columns, tmp_path / f"a{suffix}")
         summary = decompose_file(path, layout=BEAM, bad_rows="skip", picture=False)

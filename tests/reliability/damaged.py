@@ -1,7 +1,7 @@
 """Damaged recordings and layouts by seed, and the check that each is answered with a sentence.
 
 ``check(damaged(seed, folder))`` is one trial of the campaign. What comes of a seed is the same on
-every run: a file of one of six kinds, wrong in what it holds, in its bytes, or both.
+every run: a file of one of many kinds, wrong in what it holds, in its bytes, or both.
 """
 
 import tempfile
@@ -15,7 +15,7 @@ import numpy as np
 from coopenv.errors import CoopenvError
 from coopenv.logs import Layout, decompose_file, read
 from tests.logs import cases
-from tests.reliability import faulty
+from tests.reliability import faulty, whole
 
 KINDS: tuple[tuple[str, Callable[[np.random.Generator], bytes]], ...] = (
     (".csv", faulty.text),
@@ -24,7 +24,9 @@ KINDS: tuple[tuple[str, Callable[[np.random.Generator], bytes]], ...] = (
     (".parquet", faulty.parquet),
     (".toml", lambda rng: faulty.layout(rng, toml=True)),
     (".json", lambda rng: faulty.layout(rng, toml=False)),
+    *((suffix, make) for suffix, make, _ in whole.WHOLE),
 )
+NEEDS = (*["pyarrow"] * (len(KINDS) - len(whole.WHOLE)), *(each[2] for each in whole.WHOLE))
 INSERTED = (b"\0", b"\r", b"\n", b'"', b"\xef\xbb\xbf", b"\xff\xfe", b",", b";", b"\x00" * 40,
             b"PK\x01\x02", b"PAR1", b"9" * 300, b"{" * 50, b"e99999", b"-")  # fmt: skip
 DECLARED: tuple[dict[str, Any], ...] = (
@@ -43,7 +45,9 @@ def damaged(seed: int, folder: Path) -> Path:
     rng = np.random.default_rng([seed, 20261129])
     suffix, make = KINDS[seed % len(KINDS)]
     data = bytearray(make(rng))
-    for _ in range(int(rng.choice([0, 1, 2, 8], p=[0.5, 0.3, 0.15, 0.05]))):
+    right = seed % len(KINDS) >= len(KINDS) - len(whole.WHOLE)  # as it is made
+    shares = [0.1, 0.5, 0.3, 0.1] if right else [0.5, 0.3, 0.15, 0.05]
+    for _ in range(int(rng.choice([0, 1, 2, 8], p=shares))):
         _damage(data, rng)
     path = Path(folder) / f"damaged-{seed}{suffix}"
     path.write_bytes(bytes(data))
@@ -113,7 +117,13 @@ def use(path: Path) -> list[Path]:
         return []
     turn = sum(path.name.encode())
     bad_rows = "error" if turn % 3 else "skip"
+    known = whole.LAYOUTS.get(path.suffix)
     layout = Layout(**DECLARED[turn % len(DECLARED)])
+    if known is not None:
+        grips = (1.0, 0.0, -1.0, 0.0)
+        layout = Layout(grips=grips, **known[turn % len(known)])
+    elif path.suffix == ".gz":
+        layout = Layout(grips=(1.0, 0.0, -1.0, 0.0))
     summary = decompose_file(path, layout=layout, bad_rows=bad_rows, picture=False)
     return [summary.table, summary.written]
 

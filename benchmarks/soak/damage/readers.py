@@ -1,11 +1,16 @@
 """What coopenv reads from files, each with a whole file and the function that reads it."""
 
+import gzip
+import io
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from scipy.io import savemat
 
 from benchmarks.soak.commands.scenes import RUN, STEPS, TRAIN, input_of, undisturbed
 from benchmarks.soak.commands.server import Task, is_sentence, server
@@ -68,8 +73,17 @@ class Reader:
 
 def decompose(path: Path) -> None:
     """A recording, to a table."""
-    out = path.with_name(f"out{path.suffix}")
+    out = path.with_name(f"out{path.suffix if path.suffix in ('.npz', '.parquet') else '.csv'}")
     decompose_file(path, out, layout=BEAM, picture=False)
+
+
+def as_matlab() -> bytes:
+    """The recording as a MATLAB file, compressed."""
+    with np.load(io.BytesIO(input_of("a.npz"))) as arrays:
+        columns = {name: values for name, values in arrays.items() if values.dtype.kind == "f"}
+    file = io.BytesIO()
+    savemat(file, columns, do_compression=True)
+    return file.getvalue()
 
 
 def act(path: Path) -> None:
@@ -129,6 +143,13 @@ READERS = (
         )
         for name in ("a.csv", "a.npz", "a.parquet")
     ),
+    Reader(
+        name="recordings",
+        file="a.csv.gz",
+        whole=lambda: gzip.compress(input_of("a.csv"), mtime=0),
+        read=decompose,
+    ),
+    Reader(name="recordings", file="a.mat", whole=as_matlab, read=decompose),
     Reader(name="layouts", file="a.toml", whole=LAYOUT.encode, read=Layout.load),
     Reader(name="layouts", file="a.json", whole=LAYOUT_JSON.encode, read=Layout.load),
     Reader(name="settings", file="a.toml", whole=SETTINGS.encode, read=Train.configured),

@@ -65,7 +65,7 @@ class Check:
         if self._other_angle is None and orientation is not None and orientation.ndim == 1:
             factor = DEGREES if self._layout.angle == "deg" else 1 / DEGREES
             self._other_angle = Laws(self._layout, angle=factor)
-        for segment, rows in self._segments.of(recording):
+        for segment, rows in self._segments.of(_at_different_times(recording)):
             for laws in filter(None, (self._laws, self._other_angle)):
                 laws.add(segment, rows)
 
@@ -176,6 +176,14 @@ def _fit(laws: Laws, layout: Layout) -> Fit:
     force = laws.force(layout.frame, velocities[0], 1.0) if laws.enough("force") else np.nan
     torque = laws.torque(layout.frame, force=1.0, torque=1.0) if laws.enough("torque") else np.nan
     return Fit(1 - force, 1 - torque, 1 - laws.power(1.0))
+
+
+def _at_different_times(recording: Recording) -> Recording:
+    """Without the rows of a trial that have the time of the row before."""
+    if recording.time is None:
+        return recording
+    equal = (np.diff(recording.time) == 0) & (np.diff(recording.trial) == 0)
+    return recording.take(np.concatenate([[True], ~equal])) if equal.any() else recording
 
 
 def _missing(recording: Recording) -> str:

@@ -1,15 +1,21 @@
 """File formats of recordings, and the registry that opens a file by the suffix of its name.
 
 A format is one file of this folder with a `Source`, which reads, and a `Sink`, which writes, and
-one line in `FORMATS`.
+one line in `FORMATS`; or with a source alone, and a line in `READ`.
 """
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
 from coopenv.files import reading, require_file
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.formats.bags import BagSource, topics
+from coopenv.logs.formats.c3d import C3dSource, parts
 from coopenv.logs.formats.chunks import Format, Sink, Source
+from coopenv.logs.formats.hdf5 import Hdf5Source
+from coopenv.logs.formats.mat import MatSource
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
 from coopenv.logs.formats.text import TextSink, TextSource
@@ -20,12 +26,35 @@ FORMATS = (
     Format((".npz",), NpzSource, NpzSink),
     Format((".parquet",), ParquetSource, ParquetSink),
 )
+"""Those that are read and written."""
+
+READ = (
+    Format((".csv.gz", ".tsv.gz", ".txt.gz"), TextSource, None),
+    Format((".mat",), MatSource, None),
+    Format((".h5", ".hdf5", ".hdf", ".he5"), Hdf5Source, None),
+    Format((".mcap", ".db3", ".bag"), BagSource, None, topics),
+    Format((".c3d",), C3dSource, None, parts),
+)
+"""Those that are only read."""
+
+PARTED = READ[1:]
+"""Those of which a part can be read alone."""
 
 
 def open_source(
-    path: str | os.PathLike, decimal: str = ".", limits: Limits | None = None
+    path: str | os.PathLike,
+    dialect: Dialect | None = None,
+    limits: Limits | None = None,
+    part: str = "",
 ) -> Source:
     """Open a file for reading.
+
+    Parameters
+    ----------
+    path, dialect, limits
+        See `Source`.
+    part
+        A group, structure or topic of a file of several; all of it if empty.
 
     Raises
     ------
@@ -33,12 +62,29 @@ def open_source(
         If there is no such file, or it cannot be read, its suffix or content is not understood, or
         it is beyond a limit.
     MissingExtra
-        If reading it needs the extra ``analysis``.
+        If reading it needs an extra.
     """
     path = Path(path)
     require_file(path)
     with reading(path):
-        return find_format(path).source(path, decimal, limits if limits is not None else Limits())
+        known = find_format(path)
+        if part and known not in PARTED:
+            raise InvalidInput(
+                f"{path}: part must be left out of such files, which have none, got {part!r}; "
+                "leave it out"
+            )
+        given = (path, dialect or Dialect(), limits if limits is not None else Limits())
+        return known.source(*given, *filter(None, [part]))
+
+
+def parts_of(path: Path) -> list[str]:
+    """Streams that a file of this format keeps apart, such as topics; none of most formats."""
+    known = find_format(path)
+    if known.parts is None:
+        return []
+    require_file(path)
+    with reading(path):
+        return known.parts(path)
 
 
 def open_sink(path: str | os.PathLike) -> Sink:
@@ -47,15 +93,17 @@ def open_sink(path: str | os.PathLike) -> Sink:
     Raises
     ------
     InvalidInput
-        If no format has its suffix.
+        If no format that is written has its suffix.
     MissingExtra
         If writing it needs the extra ``analysis``.
     """
     path = Path(path)
-    return find_format(path).sink(path)
+    sink = find_format(path, FORMATS).sink
+    assert sink is not None  # of all in FORMATS
+    return sink(path)
 
 
-def find_format(path: Path) -> Format:
+def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Format:
     """The format of which the file has the suffix, in capitals or not.
 
     Raises
@@ -63,11 +111,21 @@ def find_format(path: Path) -> Format:
     InvalidInput
         If no format has it.
     """
-    suffix = path.suffix.lower()
-    for known in FORMATS:
-        if suffix in known.suffixes:
+    name = path.name.lower()
+    for known in among:
+        if name.endswith(known.suffixes) and name not in known.suffixes:
             return known
-    suffixes = [suffix for known in FORMATS for suffix in known.suffixes]
+    suffixes = [suffix for known in among for suffix in known.suffixes]
     raise InvalidInput(
         f"file must end in one of {', '.join(suffixes)}, got {path.name!r}; convert or rename it"
     )
+
+
+def table_beside(path: Path) -> Path:
+    """Where the table of a recording goes by default, in its format if that is written."""
+    known = find_format(path)
+    suffix = next(each for each in known.suffixes if path.name.lower().endswith(each))
+    stem, own = path.name[: -len(suffix)], path.name[-len(suffix) :]
+    if known.sink is None or len(known.suffixes) > 1:  # a table is CSV, whatever text was read
+        own = FORMATS[0].suffixes[0]
+    return path.with_name(f"{stem}.decomposed{own}")

@@ -1,15 +1,20 @@
 """Types of file formats: chunks of columns, their source (reader) and their sink (writer)."""
 
+import math
+import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.limits import Limits
 
 CHUNK_ROWS = 16_384
@@ -27,6 +32,8 @@ class Chunk:
     first_row: int  # its number in the file, from 1, the header not counted
     progress: float  # share of the file that has been read, in [0, 1]
     rule: str = "a finite number"  # what a number must be, in messages
+    rules: Mapping[str, str] = field(default_factory=dict)  # of single columns
+    bad: Mapping[str, BoolArray] = field(default_factory=dict)  # column -> (T,): not even missing
     fields: IntArray | None = None  # (T,) number of fields where it is wrong, else 0; text only
 
     @property
@@ -43,6 +50,16 @@ class Chunk:
         return str(self.numbers[column][row])
 
 
+class Roles(NamedTuple):
+    """What columns are, for those that say something between samples."""
+
+    time: str = ""
+    factor: float = 1.0  # of the time, to seconds
+    quaternion: tuple[str, ...] = ()  # w, x, y, z
+    angle: str = ""  # of the orientation in the plane
+    period: float = math.tau  # of the angle, in its unit
+
+
 class Source(ABC):
     """Reader of a file of one format.
 
@@ -50,8 +67,8 @@ class Source(ABC):
     ----------
     path
         Of a file that exists.
-    decimal
-        What separates decimals, for formats that hold numbers as text.
+    dialect
+        How the file is written, if it is text.
     limits
         On what the file may cost.
 
@@ -66,12 +83,31 @@ class Source(ABC):
     columns: list[str]
     left_out: Sequence[str] = ()  # what the file holds beside columns
     grips: FloatArray | None = None  # (n, 2 or 3) if the file has them once, in its own unit
+    units: Mapping[str, str] = MappingProxyType({})  # column -> unit, where the file says it
+    repeated: Collection[str] = ()  # documented names that several columns had
+    stamped: str = ""  # a column of time stamps, whatever is said of units
 
     @abstractmethod
-    def __init__(self, path: Path, decimal: str, limits: Limits): ...
+    def __init__(self, path: Path, dialect: Dialect, limits: Limits): ...
+
+    def offer(self, names: Iterable[str]) -> None:  # noqa: B027
+        """Make parts of arrays columns, such as ``actions:0``, as far as there are such parts."""
+
+    def assign(self, roles: Roles) -> None:  # noqa: B027
+        """Say what columns are, before they are read."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What there is to say of the file once all of it is read, a sentence each."""
+        return ()
 
     @abstractmethod
-    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
+    def chunks(
+        self,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Mapping[str, Stamps] | None = None,
+    ) -> Iterator[Chunk]:
         """Read these columns, in the order of the file, some thousand rows at a time.
 
         Parameters
@@ -80,6 +116,8 @@ class Source(ABC):
             Columns to be read as numbers.
         carried
             Columns that keep the type they have in the file.
+        stamps
+            Those of ``numbers`` that are times as text or time stamps, and come as seconds.
 
         Raises
         ------
@@ -150,4 +188,14 @@ class Format(NamedTuple):
 
     suffixes: tuple[str, ...]  # of names, in small letters; tables get the first by default
     source: type[Source]
-    sink: type[Sink]
+    sink: type[Sink] | None  # none of a format that is only read
+    parts: Callable[[Path], list[str]] | None = None  # of a format that keeps several streams apart
+
+
+PART = re.compile(r"(.+?)((?::\d{1,6})+)", re.DOTALL)  # actions:0, force:1:2
+
+
+def part_of(name: str) -> tuple[str, tuple[int, ...]] | None:
+    """An array and the place in its rows that a name asks for: ``("actions", (0,))``."""
+    found = PART.fullmatch(name)
+    return None if found is None else (found[1], tuple(map(int, found[2][1:].split(":"))))

@@ -1,19 +1,32 @@
 """Parquet tables: reading and writing them in batches with pyarrow."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
+from coopenv.logs.formats.arrow import (
+    as_numpy,
+    bytes_of_rows,
+    is_list,
+    is_number,
+    is_text,
+    place_of_lists,
+    seconds,
+)
 from coopenv.logs.formats.chunks import (
     CHUNK_ROWS,
     Chunk,
     Column,
     Sink,
     Source,
+    part_of,
     plain,
     rows_at_once,
 )
@@ -24,9 +37,9 @@ READ = 1 << 20  # [bytes] of a column at once
 
 
 class ParquetSource(Source):
-    """A Parquet file with one value a row and column."""
+    """A Parquet file with one value a row and column, or lists of numbers."""
 
-    def __init__(self, path: Path, decimal: str, limits: Limits):
+    def __init__(self, path: Path, dialect: Dialect, limits: Limits):
         try:
             from pyarrow import parquet, types
         except ImportError as error:
@@ -39,36 +52,83 @@ class ParquetSource(Source):
         self.columns = [entry.name for entry in schema if not types.is_nested(entry.type)]
         self.left_out = [entry.name for entry in schema if types.is_nested(entry.type)]
         self._types = {entry.name: entry.type for entry in schema}
+        self._parts: dict[str, tuple[str, int]] = {}  # column -> list, place in it
 
-    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
-        """Read batch by batch; what is carried keeps its type."""
-        from pyarrow import parquet, types
-
-        for name in numbers:
-            kind = self._types[name]
-            if not (types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind)):
+    def offer(self, names: Iterable[str]) -> None:
+        """Make places of lists columns, where these names ask for them."""
+        for name in names:
+            part = part_of(name)
+            if part is None or name in self.columns or not is_list(self._types.get(part[0])):
+                continue
+            listed, (index, *more) = part
+            kind = self._types[listed].value_type
+            if more or not is_number(kind):
                 raise InvalidInput(
-                    f"{self._path}, column {name!r} must hold numbers, got {kind}; convert it"
+                    f"{self._path}, column {listed!r} must be lists of numbers for {name!r}, got "
+                    f"lists of {kind}; give one number, or convert it"
                 )
+            self._parts[name] = (listed, index)
+            self._types[name] = kind
+            self.columns.append(name)
+            self.left_out = [each for each in self.left_out if each != listed]
+
+    def chunks(
+        self,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Mapping[str, Stamps] | None = None,
+    ) -> Iterator[Chunk]:
+        """Read batch by batch; what is carried keeps its type."""
+        from pyarrow import parquet
+
+        stamps = stamps or {}
+        for name in numbers:
+            self._require_kind(name, stamps)
         row = 1
-        texts = [name for name in carried if _is_text(self._types[name])]
+        read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in (*numbers, *carried))
+        texts = [name for name in read if is_text(self._types[name]) and name not in stamps]
         with (
             _parsing(self._path),
             parquet.ParquetFile(self._path, buffer_size=READ, read_dictionary=texts) as file,
         ):
             total = max(file.metadata.num_rows, 1)
-            for batch in self._batches(file, [*numbers, *carried]):
+            for batch in self._batches(file, list(read)):
                 yield Chunk(
-                    numbers={
-                        name: batch[name].cast("float64", safe=False).to_numpy(zero_copy_only=False)
-                        for name in numbers
-                    },
-                    carried={name: plain(_as_numpy(batch[name])) for name in carried},
+                    numbers={name: self._numbers(batch, name, stamps) for name in numbers},
+                    carried={name: plain(as_numpy(batch[name])) for name in carried},
                     rows=batch.num_rows,
                     first_row=row,
                     progress=(row - 1 + batch.num_rows) / total,
+                    rules={name: each.rule for name, each in stamps.items()},
                 )
                 row += batch.num_rows
+
+    def _require_kind(self, name: str, stamps: Mapping[str, Stamps]) -> None:
+        """Raise unless a column holds numbers, or times if it is said to."""
+        from pyarrow import types
+
+        kind = self._types[name]
+        if name in stamps and not (
+            types.is_timestamp(kind) or types.is_string(kind) or types.is_large_string(kind)
+        ):
+            raise InvalidInput(
+                f"{self._path}, column {name!r} must hold times as text or time stamps, got "
+                f"{kind}; say their unit, as --time s"
+            )
+        if name not in stamps and not is_number(kind):
+            remedy = "say --time iso if it is time" if types.is_timestamp(kind) else "convert it"
+            raise InvalidInput(
+                f"{self._path}, column {name!r} must hold numbers, got {kind}; {remedy}"
+            )
+
+    def _numbers(self, batch: Any, name: str, stamps: Mapping[str, Stamps]) -> FloatArray:
+        """A column of numbers, NaN where there is none."""
+        if name in stamps:
+            return seconds(batch[name], stamps[name])
+        if name in self._parts:
+            listed, place = self._parts[name]
+            return place_of_lists(batch[listed], place)
+        return batch[name].cast("float64", safe=False).to_numpy(zero_copy_only=False)
 
     def _batches(self, file: Any, names: list[str]) -> Iterator[Any]:
         """Rows as pyarrow reads them, in parts where they hold much text."""
@@ -78,7 +138,7 @@ class ParquetSource(Source):
         ):
             if not batch.num_rows:
                 continue
-            size = sum(_text_bytes(column) for column in batch.columns)  # of each row
+            size = sum(bytes_of_rows(column) for column in batch.columns)  # of each row
             longest = int(np.max(size)) + 8 * len(names)
             place = f"{self._path}, row {first + int(np.argmax(size))}"
             self._limits.require("row_bytes", longest, place, "shorten it")
@@ -170,42 +230,3 @@ def _require_footer(path: Path) -> None:
             f"{path} must be a Parquet file with a footer of at most {FOOTER:,} bytes, got "
             f"{size:,}; write it with larger row groups, or again if it is damaged"
         )
-
-
-def _is_text(kind: Any) -> bool:
-    from pyarrow import types
-
-    return types.is_string(kind) or types.is_binary(kind)
-
-
-def _text_bytes(column: Any) -> Any:
-    """How long the text of each row ``(T,)`` is [bytes]; 0 where there is none."""
-    from pyarrow import compute, types
-
-    listed = types.is_dictionary(column.type)
-    texts = column.dictionary if listed else column
-    if not (_is_text(texts.type) or _is_large(texts.type)):
-        return 0
-    length = compute.call_function("binary_length", [texts])
-    if listed:
-        length = compute.take(length, column.indices)
-    return compute.fill_null(length, 0).to_numpy(zero_copy_only=False)
-
-
-def _is_large(kind: Any) -> bool:
-    from pyarrow import types
-
-    return types.is_large_string(kind) or types.is_large_binary(kind)
-
-
-def _as_numpy(column: Any) -> Column:
-    """A column as an array; a text that many rows have is one object."""
-    from pyarrow import types
-
-    if not types.is_dictionary(column.type):
-        return np.asarray(column.to_numpy(zero_copy_only=False))
-    if not _is_text(column.type.value_type):
-        return np.asarray(column.dictionary_decode().to_numpy(zero_copy_only=False))
-    texts = np.array([*column.dictionary.to_pylist(), None], dtype=object)
-    places = column.indices.fill_null(len(texts) - 1)  # the last is none
-    return texts[places.to_numpy(zero_copy_only=False)]

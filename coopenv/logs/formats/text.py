@@ -5,7 +5,7 @@ A file is split into lines here, so that every bad one has its number; pyarrow p
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,81 +16,81 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source
+from coopenv.logs.formats.cleaning import BLANKS, cleaner, split
+from coopenv.logs.formats.encoded import Text
+from coopenv.logs.formats.head import SHORTEN, HeadReader
 from coopenv.logs.formats.lines import Lines
 from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once
-SEPARATORS = (",", ";", "\t")
-SHORTEN = "shorten it"
+MISSING = {"", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-"}  # instead of a number
 
 
 class TextSource(Source):
-    """A text file with one header line.
+    """A text file with a row a line, of the form that a `Dialect` says.
 
-    Comma, semicolon or tab separate its fields, whichever the header has most of. They may be
-    quoted, but a quoted field must end on its line. Empty lines are passed over.
+    Comma, semicolon, tab or bar separate its fields, whichever the header has most of, or blanks if
+    it has none of these. They may be quoted, but a quoted field must end on its line. Empty lines
+    are passed over.
     """
 
-    def __init__(self, path: Path, decimal: str, limits: Limits):
+    def __init__(self, path: Path, dialect: Dialect, limits: Limits):
         try:
             import pyarrow.csv  # noqa: F401
         except ImportError as error:
             raise MissingExtra("reading CSV", "analysis") from error
-        self._path, self._decimal, self._limits = path, decimal, limits
-        self._rule = "a finite number" + " without a point (--decimal ,)" * (decimal == ",")
-        with path.open("rb") as file:
-            header = file.readline(limits.row_bytes + 1)
-            self._body = file.tell()
-        if len(header) > limits.row_bytes:
-            limits.require("row_bytes", "more", f"{path}, line 1", SHORTEN)
-        text = self._decode(header.removeprefix(b"\xef\xbb\xbf"), "line 1")
-        if not text.strip():
-            seen = "a blank line" if header.endswith(b"\n") else "an empty file"
-            raise InvalidInput(
-                f"{path}, line 1 must name the columns, got {seen}; begin the file with its header"
-            )
-        if "\0" in text:
-            raise InvalidInput(
-                f"{path}, line 1 must name the columns, got bytes that are no text; export the "
-                "recording as CSV"
-            )
-        if "\r" in text:
-            raise InvalidInput(
-                f"{path}: lines must end with a line feed, got carriage returns alone; save the "
-                "file with the line ends of Unix or Windows"
-            )
-        self.separator = max(SEPARATORS, key=text.count)
-        if decimal == self.separator:
-            raise InvalidInput(
-                f"{path}: decimal must not be what separates the columns, got {decimal!r} for both;"
-                " separate them with semicolons"
-            )
-        self.columns = [name.strip() for name in self.split(text, "line 1")]
-        remedy = "leave out what is not needed"
-        limits.require("columns", len(self.columns), f"{path}, line 1", remedy)
+        self._path, self._decimal, self._limits = path, dialect.decimal, limits
+        self._rule = "a finite number" + " without a point (--decimal ,)" * (self._decimal == ",")
+        self._text = Text(path, dialect.encoding)
+        with self._text.open() as file:
+            self._head = HeadReader(path, dialect, limits).read(file)
+        head = self._head
+        self.columns, self.units, self.repeated = head.columns, head.units, head.repeated
+        self.separator = "\t" if head.separator == BLANKS else head.separator
+        self._clean = cleaner(
+            head.separator, dialect.comment, columns=len(head.columns), empty=head.empty
+        )
 
-    def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
+    def chunks(
+        self,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Mapping[str, Stamps] | None = None,
+    ) -> Iterator[Chunk]:
         """Read block by block; what is carried stays text."""
-        row, line = 1, 2
+        stamps = stamps or {}
+        row, line = 1, self._head.line
+        rules = {name: each.rule for name, each in stamps.items()}
         for block, progress in self._blocks():
             lines = Lines(block, line, self.columns, self.separator, self.split)
             if lines.longest > self._limits.row_bytes:
                 place = f"{self._path}, line {line + lines.longest_number}"
                 self._limits.require("row_bytes", "more", place, SHORTEN)
             if lines.rows:
-                table = self._parse(lines, numbers, carried)
+                table = self._parse(lines, numbers, carried, stamps)
                 good = lines.good[lines.kept]
+                read: dict[str, FloatArray] = {}
+                bad: dict[str, BoolArray] = {}
+                for name in numbers:
+                    if name in stamps:
+                        values, wrong = stamps[name].of_texts(table[name]), None
+                    else:
+                        values, wrong = _numbers(table[name], self._decimal)
+                    read[name] = _spread(values, good, np.nan)
+                    if wrong is not None:
+                        bad[name] = _spread(wrong, good, True)
                 yield _TextChunk(
-                    numbers={
-                        name: _spread(_numbers(table[name], self._decimal), good, np.nan)
-                        for name in numbers
-                    },
+                    numbers=read,
                     carried={name: _spread(table[name].to_numpy(), good, "") for name in carried},
                     rows=lines.rows,
                     first_row=row,
                     progress=progress,
                     rule=self._rule,
+                    rules=rules,
+                    bad=bad,
                     fields=np.where(good, 0, lines.fields[lines.kept]),
                     lines=lines,
                 )
@@ -98,20 +98,18 @@ class TextSource(Source):
 
     def split(self, line: str, place: str) -> list[str]:
         """Fields of a line, without quotation marks."""
-        try:
-            return next(csv.reader([line], delimiter=self.separator), [])
-        except csv.Error as error:
-            raise InvalidInput(
-                f"{self._path}, {place} must be a line of a text table, got one that is none "
-                f"({error}); export it as CSV"
-            ) from error
+        return split(self._path, line, self.separator, place)
 
     def _blocks(self) -> Iterator[tuple[bytes, float]]:
         """Whole lines of the body, each with its line feed, and the share that has been read."""
-        size = max(self._path.stat().st_size, 1)
+        for block, progress in self._read():
+            yield (block if self._clean is None else self._clean(block)), progress
+
+    def _read(self) -> Iterator[tuple[bytes, float]]:
+        """The same as they are in the file."""
         rest = bytearray()  # of a line that goes on
-        with self._path.open("rb") as file:
-            file.seek(self._body)
+        with self._text.open() as file:
+            file.skip(self._head.body)
             while True:
                 read = file.read(BLOCK)
                 end = read.rfind(b"\n") + 1
@@ -120,17 +118,23 @@ class TextSource(Source):
                 elif end:
                     block = b"".join((rest, memoryview(read)[:end]))
                     rest = bytearray(memoryview(read)[end:])
-                    yield block, min(1.0, file.tell() / size)
+                    yield block, file.progress
                 else:  # the last line, or one that is too long
                     if rest or read:
                         yield bytes(rest + read + b"\n"), 1.0
                     return
 
-    def _parse(self, lines: Lines, numbers: Sequence[str], carried: Sequence[str]) -> Any:
+    def _parse(
+        self,
+        lines: Lines,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Collection[str],
+    ) -> Any:
         """The columns as pyarrow parses them; all as text where a number is not one."""
         import pyarrow as pa
 
-        texts = dict.fromkeys(carried, pa.string())
+        texts = dict.fromkeys([*carried, *stamps], pa.string())
         types = dict.fromkeys(numbers, pa.float64()) | texts
         data = lines.good_bytes()
         if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
@@ -145,7 +149,8 @@ class TextSource(Source):
         except pa.ArrowInvalid as error:
             place, why = self._first_refused(lines, types, error)
             raise InvalidInput(
-                f"{self._path}, {place} must be CSV in UTF-8, got {shown(why, 200)}; save it again"
+                f"{self._path}, {place} must be CSV in UTF-8, got {shown(why, 200)}; say its "
+                "--encoding, or save it again"
             ) from error
 
     def _first_refused(
@@ -178,15 +183,6 @@ class TextSource(Source):
                 column_types=types, include_columns=list(types), decimal_point=self._decimal
             ),
         )
-
-    def _decode(self, line: bytes, where: str) -> str:
-        try:
-            return line.decode().rstrip("\r\n")
-        except UnicodeDecodeError as error:
-            raise InvalidInput(
-                f"{self._path}, {where} must be UTF-8 text, got {line[error.start :][:8]!r}; save "
-                "the file in that encoding"
-            ) from error
 
 
 class TextSink(Sink):
@@ -248,14 +244,18 @@ class _TextChunk(Chunk):
         return self.lines.field(row, column)
 
 
-def _numbers(column: Any, decimal: str) -> FloatArray:
-    """Numbers of a pyarrow column; NaN where a text is none."""
+def _numbers(column: Any, decimal: str) -> tuple[FloatArray, BoolArray | None]:
+    """Numbers of a pyarrow column, NaN where a text is none; and where it is not even missing."""
     import pyarrow as pa
 
     if column.type == pa.float64():
-        return column.to_numpy()
+        return column.to_numpy(), None
     texts = column.to_pylist()
-    return np.fromiter((_number(text, decimal) for text in texts), np.float64, len(texts))
+    values = np.fromiter((_number(text, decimal) for text in texts), np.float64, len(texts))
+    bad = np.zeros(len(texts), np.bool_)
+    for row in np.flatnonzero(np.isnan(values)).tolist():
+        bad[row] = texts[row].strip().lower() not in MISSING
+    return values, bad
 
 
 def _number(text: str, decimal: str) -> float:

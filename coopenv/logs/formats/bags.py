@@ -1,0 +1,170 @@
+"""ROS bags: topics of MCAP, SQLite and ROS 1 files, message by message, through rosbags.
+
+Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, is_dataclass
+from itertools import islice
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.logs.declared.dialect import Dialect
+from coopenv.logs.declared.stamps import Stamps
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source
+from coopenv.logs.formats.damage import parsing
+from coopenv.logs.limits import Limits, shown
+
+TIME = "time"
+DEEPEST = 6  # messages within one another
+SECOND = 10**9  # [ns]
+
+
+class BagSource(Source):
+    """Messages of one topic, at the times of their headers, or of their recording without one.
+
+    Parameters
+    ----------
+    path, dialect, limits
+        See `Source`.
+    part
+        The topic; may be left out where only one has numbers.
+    """
+
+    def __init__(self, path: Path, dialect: Dialect, limits: Limits, part: str = ""):
+        self._path, self._limits = path, limits
+        with _bag(path) as bag:
+            limits.require("block_bytes", _largest(bag), f"{path}", "record it in smaller chunks")
+            numbers = _topics(bag)
+            topic = part or (next(iter(numbers)) if len(numbers) == 1 else "")
+            if topic not in numbers:
+                raise InvalidInput(
+                    f"{path}: part must be one of its topics with numbers, got {shown(part)!r}; "
+                    f"has: {', '.join(map(shown, islice(numbers, 20))) or 'none'}"
+                )
+            self._topic, self._ways = topic, numbers[topic]
+            self.columns = [TIME, *self._ways]
+            self._messages = max(bag.topics[topic].msgcount, 1)
+        limits.require("columns", len(self.columns), f"{path}", "leave out what is not needed")
+        self.stamped = TIME
+
+    def chunks(
+        self,
+        numbers: Sequence[str],
+        carried: Sequence[str],
+        stamps: Mapping[str, Stamps] | None = None,
+    ) -> Iterator[Chunk]:
+        """Read some thousand messages at a time."""
+        names = [name for name in dict.fromkeys((*numbers, *carried)) if name != TIME]
+        take = [attrgetter(self._ways[name]) for name in names]
+        clock = (stamps or {}).get(TIME) or Stamps("iso")
+        row = 1
+        with _bag(self._path) as bag:
+            messages = self._read(bag)
+            while part := list(islice(messages, CHUNK_ROWS)):
+                rows = len(part)
+                table = {
+                    name: np.fromiter((get(each) for _, each in part), np.float64, rows)
+                    for name, get in zip(names, take, strict=True)
+                }
+                times = np.fromiter((_time(each, logged) for logged, each in part), np.int64, rows)
+                table[TIME] = clock.of_nanoseconds(times, np.ones(rows, np.bool_))
+                yield _Messages(
+                    numbers={name: table[name] for name in numbers},
+                    carried={name: table[name] for name in carried},
+                    rows=rows,
+                    first_row=row,
+                    progress=min(1.0, (row - 1 + rows) / self._messages),
+                    topic=self._topic,
+                )
+                row += rows
+
+    def _read(self, bag: Any) -> Iterator[tuple[int, Any]]:
+        """When messages were recorded [ns], and what they say."""
+        wanted = [each for each in bag.connections if each.topic == self._topic]
+        for connection, logged, raw in bag.messages(connections=wanted):
+            self._limits.require("row_bytes", len(raw), f"{self._path}", "leave out what is large")
+            yield logged, bag.deserialize(raw, connection.msgtype)
+
+
+def topics(path: Path) -> list[str]:
+    """Topics whose messages have numbers."""
+    with _bag(path) as bag:
+        return list(_topics(bag))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Messages(Chunk):
+    """Messages of a topic."""
+
+    topic: str
+
+    def place(self, row: int) -> str:
+        return f"message {self.first_row + row} of {self.topic}"
+
+
+@contextmanager
+def _bag(path: Path) -> Iterator[Any]:
+    """An open bag."""
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise MissingExtra("reading ROS bags", "ros") from error
+    with (
+        parsing(path, "a whole ROS bag", "record or convert it again"),
+        AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag,
+    ):
+        yield bag
+
+
+def _topics(bag: Any) -> dict[str, dict[str, str]]:
+    """Topic → column → way to it, of all topics that have numbers."""
+    found: dict[str, dict[str, str]] = {}
+    for connection in bag.connections:
+        if connection.topic in found or not connection.msgcount:
+            continue
+        first = next(bag.messages(connections=[connection]), None)
+        if first is None:
+            continue
+        message = bag.deserialize(first[2], connection.msgtype)
+        ways = {way.replace(".", "/"): way for way in _numbers(message, "")}
+        if any(isinstance(attrgetter(way)(message), float) for way in ways.values()):
+            found[connection.topic] = ways
+    return found
+
+
+def _numbers(message: Any, prefix: str, depth: int = 0) -> Iterator[str]:
+    """Ways to the numbers of a message, but for its header."""
+    if not is_dataclass(message) or depth > DEEPEST:
+        return
+    for entry in fields(message):
+        value = getattr(message, entry.name)
+        if isinstance(value, float | int | np.number) and not isinstance(value, bool):
+            yield prefix + entry.name
+        elif not (entry.name == "header" and not prefix):
+            yield from _numbers(value, f"{prefix}{entry.name}.", depth + 1)
+
+
+def _time(message: Any, logged: int) -> int:
+    """When it is of [ns]: its stamp, or that of the recording where it has none."""
+    stamp = getattr(getattr(message, "header", None), "stamp", None)
+    if stamp is None:
+        return logged
+    return (stamp.sec * SECOND + stamp.nanosec) or logged
+
+
+def _largest(bag: Any) -> int:
+    """The most that a piece of the bag inflates to, as far as it says [bytes]."""
+    stores = [getattr(reader, "storage", reader) for reader in bag.readers]
+    pieces = [piece for store in stores for piece in _pieces(getattr(store, "chunks", ()))]
+    return max((int(getattr(piece, "uncompressed_size", 0)) for piece in pieces), default=0)
+
+
+def _pieces(chunks: Any) -> list[Any]:
+    return list(chunks.values() if isinstance(chunks, dict) else chunks)
