@@ -19,7 +19,7 @@ extensions = [
 ]
 root_doc = "docs/index"
 source_suffix = {".md": "markdown"}
-include_patterns = ["*.md", "docs/*.md", "docs/environments/*.md"]
+include_patterns = ["*.md", "docs/*.md", "docs/environments/*.md", "docs/reference/*.md"]
 exclude_patterns = [".*", "**/.*", "agents", "benchmarks", "build", "coopenv", "dist", "examples"]
 exclude_patterns += ["rewards", "runs", "tests", "*.egg-info", "docs/_static"]
 

@@ -1,7 +1,7 @@
 """A page for each environment, written from the code: docs/environments/.
 
-python -m benchmarks.environments            # says which pages are not what the code says
-python -m benchmarks.environments --write    # and writes them
+python -m benchmarks.site.environments            # says which pages are not what the code says
+python -m benchmarks.site.environments --write    # and writes them
 """
 
 import inspect
@@ -14,6 +14,7 @@ from typing import Any
 import gymnasium
 
 from benchmarks.pages import DOCS, markdown
+from benchmarks.site.docstrings import parameters, prose, unit_of
 from coopenv import Transport, TransportConfig
 from coopenv.envs.common import team_action_space, team_observation_space
 from coopenv.envs.registry import PREFIX, find_config
@@ -22,8 +23,6 @@ from coopenv.observation import BLOCKS
 from coopenv.observation.block import Block
 
 FOLDER = DOCS / "environments"
-_PARAMETERS = re.compile(r"Parameters\n-+\n(.*?)(?=\n\n\w+\n-+\n|\nSource:|\Z)", re.DOTALL)
-_FIELD = re.compile(r"^    (\w+): [^=\n]+= .*?(?:  # (.*))?$", re.MULTILINE)
 # What each version changed; the first one has nothing before it.
 VERSIONS = {"v0": "The first version."}
 
@@ -47,7 +46,7 @@ def text_of(name: str) -> str:
     core = Transport(num_worlds=1, config=find_config(name, {}))
     title = name.removeprefix(PREFIX).partition("-")[0]
     parts = [
-        f"<!-- python -m benchmarks.environments --write -->\n# {title}",
+        f"<!-- python -m benchmarks.site.environments --write -->\n# {title}",
         f"![The scripted controller's first held-out episode, at four moments](../tasks/{title}.png)",
         _in_short(name, core),
         f"## Description\n\n{_description(type(core.config.task))}",
@@ -91,14 +90,9 @@ def _width(core: Transport) -> int:
     return max(part.stop for part in core.observation.blocks.values())
 
 
-def _prose(text: str) -> str:
-    """A docstring's text as Markdown."""
-    return text.replace("``", "`").strip()
-
-
 def _description(kind: type) -> str:
     text = inspect.getdoc(kind) or ""
-    return _prose(re.split(r"\n\n(?:Parameters|Raises)\n-+", text)[0])
+    return prose(re.split(r"\n\n(?:Parameters|Raises)\n-+", text)[0])
 
 
 def _actions(core: Transport) -> str:
@@ -134,9 +128,9 @@ def _observations(core: Transport) -> str:
 def _rewards(config: TransportConfig) -> str:
     rows = []
     for name, term in config.reward.items():  # pyright: ignore[reportAttributeAccessIssue]
-        first = _prose((inspect.getdoc(type(term)) or "").partition("\n")[0])
+        first = prose((inspect.getdoc(type(term)) or "").partition("\n")[0])
         weight = getattr(term, "weight", None)
-        shown = "" if weight is None else f"{weight:g} {_unit_of(type(term), 'weight')}".strip()
+        shown = "" if weight is None else f"{weight:g} {unit_of(type(term), 'weight')}".strip()
         rows.append((f"`reward/{name}`", f"`{type(term).__name__}`", first, shown))
     table = markdown(("in the info", "term", "what it is", "weight"), rows)
     return (
@@ -146,7 +140,7 @@ def _rewards(config: TransportConfig) -> str:
 
 
 def _start(config: TransportConfig) -> str:
-    draws = _prose((inspect.getdoc(type(config.task).sample) or "").partition("\n\n")[0])
+    draws = prose((inspect.getdoc(type(config.task).sample) or "").partition("\n\n")[0])
     return (
         f"{draws} The object is at rest. `reset(seed=)` decides it all; "
         '`reset(options={"pose": (x, y, θ), "goal": (x, y, θ)})` gives places of your own '
@@ -169,7 +163,7 @@ def _end(config: TransportConfig) -> str:
 
 
 def _first(hook: Any) -> str:
-    return _prose((inspect.getdoc(hook) or "").partition("\n\n")[0])
+    return prose((inspect.getdoc(hook) or "").partition("\n\n")[0])
 
 
 def _case(hook: Any) -> str:
@@ -191,9 +185,9 @@ def _arguments(name: str, config: TransportConfig) -> str:
         and entry.name not in ("task", "observe", "reward")
     ]
     kind = type(config.task)
-    told = _parameters(kind)
+    told = parameters(kind)
     rows = [
-        (f"`{entry.name}`", f"`{getattr(config.task, entry.name)!r}`", _unit_of(kind, entry.name),
+        (f"`{entry.name}`", f"`{getattr(config.task, entry.name)!r}`", unit_of(kind, entry.name),
          told.get(entry.name, ""))
         for entry in fields(kind)
     ]  # fmt: skip
@@ -219,32 +213,6 @@ def _shown(value: Any) -> str:
         if getattr(value, entry.name) != getattr(plain, entry.name)
     ]
     return f"{type(value).__name__}({', '.join(given)})"
-
-
-def _unit_of(kind: type, field: str) -> str:
-    """What stands in brackets behind a field in its class, or in one below."""
-    for each in kind.__mro__:
-        if field in vars(each).get("__annotations__", {}):
-            comments = dict(_FIELD.findall(inspect.getsource(each)))
-            found = re.match(r"\[([^\]]+)\]", comments.get(field, ""))
-            return found[1] if found else ""
-    return ""
-
-
-def _parameters(kind: type) -> dict[str, str]:
-    """What docstring, or else the comment behind a field, says of each."""
-    told: dict[str, str] = {}
-    for each in reversed(kind.__mro__[:-1]):
-        if "__annotations__" not in vars(each):
-            continue
-        for field, comment in _FIELD.findall(inspect.getsource(each)):
-            told[field] = re.sub(r"^\[[^\]]*\][;,]?\s*", "", comment)
-        found = _PARAMETERS.search(inspect.getdoc(each) or "")
-        entries = re.split(r"^(\S.*)\n", found[1], flags=re.MULTILINE)[1:] if found else []
-        for names, text in zip(entries[::2], entries[1::2], strict=True):
-            for field in names.split(", "):
-                told[field] = _prose(re.sub(r"\s+", " ", text))
-    return told
 
 
 def stale() -> dict[Path, str]:
