@@ -1,10 +1,13 @@
-# make train | test | lint | bench | interop | matrix | soak | mutants: each makes .venv, installs what it
-# needs, and runs.
+# make train | test | lint | docs | bench | interop | matrix | soak | mutants: each makes .venv, installs
+# what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
+EXTRAS_train := train,render
+EXTRAS_dev := dev
+EXTRAS_docs := dev,docs
 
-.PHONY: train test lint bench interop matrix soak mutants clean
+.PHONY: train test lint docs bench interop matrix soak mutants clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -17,6 +20,9 @@ lint: .venv/dev
 	$(BIN)/ruff format --check
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports --no-cache
+
+docs: .venv/docs
+	$(BIN)/python -m sphinx -q -W --keep-going -b html -c docs . build/site $(ARGS)
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
@@ -35,7 +41,7 @@ matrix: .venv/dev
 
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable ".[$(if $(filter dev,$*),dev,train,render)]"
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable ".[$(EXTRAS_$*)]"
 	touch $@
 
 clean:

@@ -4,6 +4,13 @@ The source folder is the repository's top, so that README, changelog and pages a
 are, and a link between them is the same on the site and in the repository.
 """
 
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # benchmarks, which write pages
+
 from coopenv import __version__
 
 project = "coopenv"
@@ -42,3 +49,28 @@ html_extra_path = ["_extra"]  # what lies on top of the site leads to its first 
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
+
+
+def write_pages(app: Any) -> None:
+    """Write the pages that the code makes, so that the site never says what it is not."""
+    from benchmarks.site import environments, rewards
+    from benchmarks.pages import fill
+
+    for page, text in environments.stale().items():
+        page.write_text(text, encoding="utf-8")
+    if rewards.page() != rewards.PAGE.read_text(encoding="utf-8"):
+        fill(rewards.PAGE, rewards.tables())
+
+
+def with_bars(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Keep |x| in docstrings from being read as the name of a substitution."""
+    for k, line in enumerate(lines):
+        code = re.split(r"(``.*?``)", line)
+        code[::2] = [part.replace("|", r"\|") for part in code[::2]]
+        lines[k] = "".join(code)
+
+
+def setup(app: Any) -> None:
+    """Sphinx calls it."""
+    app.connect("builder-inited", write_pages)
+    app.connect("autodoc-process-docstring", with_bars, priority=400)
