@@ -7,11 +7,15 @@ are, and a link between them is the same on the site and in the repository.
 import re
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy.typing
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # benchmarks, which write pages
 
-from coopenv import __version__
+numpy.typing.ArrayLike = TypeVar("ArrayLike")  # pyright: ignore  # by its name, not its ten parts
+
+from coopenv import __version__  # noqa: E402 - after the name
 
 project = "coopenv"
 author = "The coopenv authors"
@@ -21,7 +25,6 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
     "sphinx_copybutton",
 ]
 root_doc = "docs/index"
@@ -30,7 +33,7 @@ include_patterns = ["*.md", "docs/*.md", "docs/environments/*.md", "docs/referen
 exclude_patterns = [".*", "**/.*", "agents", "benchmarks", "build", "coopenv", "dist", "examples"]
 exclude_patterns += ["rewards", "runs", "tests", "*.egg-info", "docs/_static"]
 
-myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "html_image"]
 myst_heading_anchors = 4
 default_role = "py:obj"  # of docstrings: a name in single backticks, with or without a place
 suppress_warnings = ["myst.header"]  # a page may begin below its title
@@ -44,6 +47,7 @@ napoleon_custom_sections = ["Source"]
 
 html_theme = "furo"
 html_title = f"coopenv {version}"
+html_favicon = "_static/icon.svg"
 html_static_path = ["_static"]
 html_extra_path = ["_extra"]  # what lies on top of the site leads to its first page
 html_css_files = ["site.css"]
@@ -53,8 +57,8 @@ html_show_sourcelink = False
 
 def write_pages(app: Any) -> None:
     """Write the pages that the code makes, so that the site never says what it is not."""
-    from benchmarks.site import environments, rewards
     from benchmarks.pages import fill
+    from benchmarks.site import environments, rewards
 
     for page, text in environments.stale().items():
         page.write_text(text, encoding="utf-8")

@@ -33,7 +33,9 @@ def values() -> dict[str, str]:
     said = {"python": project["requires-python"], "license": project["license"]}
     said |= {name: needs[name].removeprefix(name) for name in ("gymnasium", "pettingzoo")}
     shown = {">=": "≥ ", "<": "< ", ",": ", "}
-    return {name: re.sub(r">=|<|,", lambda sign: shown[sign[0]], text) for name, text in said.items()}
+    return {
+        name: re.sub(r">=|<|,", lambda sign: shown[sign[0]], text) for name, text in said.items()
+    }
 
 
 def badge(name: str, value: str) -> str:

@@ -34,6 +34,7 @@ def picture(name: str) -> Picture:
     renderer = Renderer(core.bodies, core.scenes, mode="rgb_array")
     drawn = renderer.draw(core.transition)
     renderer.close()
+    assert drawn is not None
     return drawn
 
 

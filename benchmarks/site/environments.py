@@ -23,6 +23,7 @@ from coopenv.observation import BLOCKS
 from coopenv.observation.block import Block
 
 FOLDER = DOCS / "environments"
+_PICTURE = "The scripted controller's first held-out episode, at four moments"
 # What each version changed; the first one has nothing before it.
 VERSIONS = {"v0": "The first version."}
 
@@ -47,7 +48,7 @@ def text_of(name: str) -> str:
     title = name.removeprefix(PREFIX).partition("-")[0]
     parts = [
         f"<!-- python -m benchmarks.site.environments --write -->\n# {title}",
-        f"![The scripted controller's first held-out episode, at four moments](../tasks/{title}.png)",
+        f"![{_PICTURE}](../tasks/{title}.png)",
         _in_short(name, core),
         f"## Description\n\n{_description(type(core.config.task))}",
         f"## Action space\n\n{_actions(core)}",
@@ -189,16 +190,17 @@ def _arguments(name: str, config: TransportConfig) -> str:
     rows = [
         (f"`{entry.name}`", f"`{getattr(config.task, entry.name)!r}`", unit_of(kind, entry.name),
          told.get(entry.name, ""))
-        for entry in fields(kind)
+        for entry in fields(config.task)  # pyright: ignore[reportArgumentType]
     ]  # fmt: skip
     own = markdown(("field", "default", "unit", "what it is"), rows)
     text = (
-        f'Every keyword of [the README](../../README.md#keywords) works: '
-        f'`gymnasium.make("{name}", horizon=100)`. Of the task, `coopenv.{kind.__name__}`, given as '
-        f"`task=coopenv.{kind.__name__}(position_tolerance=0.05)`:\n\n{own}"
+        "Every keyword of [the README](../../README.md#keywords) works: "
+        f'`gymnasium.make("{name}", horizon=100)`. Of the task, `coopenv.{kind.__name__}`, '
+        f"given as `task=coopenv.{kind.__name__}(position_tolerance=0.05)`:\n\n{own}"
     )
     if changed:
-        text += f"\n\nWhat differs from BeamTransport besides:\n\n{markdown(('keyword', 'default'), changed)}"
+        table = markdown(("keyword", "default"), changed)
+        text += f"\n\nWhat differs from BeamTransport besides:\n\n{table}"
     return text
 
 

@@ -41,7 +41,9 @@ def tables() -> dict[str, str]:
         for name, chosen in rewards.PRESETS.items()
     ]
     return {
-        "terms": markdown(("term", "what it pays or takes", "defaults", "unit of the weight"), rows),
+        "terms": markdown(
+            ("term", "what it pays or takes", "defaults", "unit of the weight"), rows
+        ),
         "presets": markdown(("preset", "terms"), presets),
     }
 

@@ -3,13 +3,14 @@
 import re
 from pathlib import Path
 
-_LINK = re.compile(r"\]\(([^)#\s:]*)#?([^)\s:]*)\)")
+_LINK = re.compile(r"\]\(([^)#\s:]*)#?([^)\s:]*)\)|<img src=\"([^\"]*)\"")
 
 
 def broken(page: Path) -> list[str]:
     """Targets in files of this repository that do not exist, with their anchors."""
     found = []
-    for path, anchor in _LINK.findall(page.read_text(encoding="utf-8")):
+    for link, anchor, picture in _LINK.findall(page.read_text(encoding="utf-8")):
+        path = link or picture
         to = page.parent / path if path else page
         if not to.exists():
             found.append(path)
