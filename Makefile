@@ -1,10 +1,12 @@
-# make train | test | lint | kernels | bench | interop | matrix | soak | mutants: each makes .venv, installs
-# what it needs, and runs.
+# make train | test | lint | kernels | docs | bench | interop | matrix | soak | mutants: each makes .venv,
+# installs what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
+EXTRAS_train := train,render
+EXTRAS_dev := dev,docs
 
-.PHONY: train test lint kernels bench interop matrix soak mutants clean
+.PHONY: train test lint kernels docs bench interop matrix soak mutants clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -22,6 +24,9 @@ lint: .venv/dev
 kernels: .venv/dev
 	$(BIN)/coopenv warmup
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --collect-only --quiet >/dev/null
+
+docs: .venv/dev
+	$(BIN)/python -m sphinx -q -W --keep-going -b html -c docs . build/site $(ARGS)
 
 bench: .venv/dev
 	$(BIN)/python -m benchmarks $(ARGS)
@@ -41,7 +46,7 @@ matrix: .venv/dev
 # Bytecode is made on all cores, by pip it would be on one; some files of others are templates and no Python.
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --no-compile --constraint constraints.txt --editable ".[$(if $(filter dev,$*),dev,train,render)]"
+	$(BIN)/pip install --quiet --no-compile --constraint constraints.txt --editable ".[$(EXTRAS_$*)]"
 	$(BIN)/python -m compileall -qq -j 0 .venv/lib || true
 	touch $@
 

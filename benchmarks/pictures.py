@@ -1,11 +1,12 @@
 """Pictures of environments for docs: moments of one episode of the scripted controller.
 
-python -m benchmarks.pictures                      # draws coopenv/BeamLift-v0
-python -m benchmarks.pictures coopenv/BeamLift-v0  # or these ids, into docs/tasks/
+python -m benchmarks.pictures                      # draws every id, into docs/tasks/
+python -m benchmarks.pictures coopenv/BeamLift-v0  # or these
 """
 
 import sys
 
+import gymnasium
 import numpy as np
 
 from benchmarks.pages import DOCS
@@ -16,7 +17,6 @@ from coopenv.render import save_png
 from coopenv.render.canvas import Picture
 
 MOMENTS = (0.05, 0.3, 0.55, 1.0)  # parts of the episode, in reading order
-DEFAULT = ("coopenv/BeamLift-v0",)
 
 
 def strip(name: str) -> Picture:
@@ -31,7 +31,7 @@ def main() -> None:
     """Draw the ids of the command line."""
     folder = DOCS / "tasks"
     folder.mkdir(exist_ok=True)
-    for name in sys.argv[1:] or DEFAULT:
+    for name in sys.argv[1:] or [name for name in gymnasium.registry if name.startswith(PREFIX)]:
         path = folder / f"{name.removeprefix(PREFIX).partition('-')[0]}.png"
         save_png(path, strip(name))
         print(path)

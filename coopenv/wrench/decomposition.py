@@ -199,13 +199,6 @@ class Decomposition:
     ----------
     applied, manipulation
         h and h_M, ``(..., n, 3)`` or ``(..., n, 6)`` [N, N·m].
-    grips
-        As given to the `Decomposer` [m].
-    settings
-        As given to the `Decomposer`.
-    solver
-        Name of the solver that answers, whatever was asked for; ``"closed_form"`` where there is
-        none.
     """
 
     def __init__(self, applied: FloatArray, answer: Answer, decomposer: "Decomposer | Surrounded"):
@@ -224,7 +217,7 @@ class Decomposition:
 
     @property
     def grips(self) -> FloatArray:
-        """Where the effectors hold, ``(..., n, 2)`` or ``(..., n, 3)`` [m]."""
+        """Where the effectors hold, as given, ``(..., n, 2)`` or ``(..., n, 3)`` [m]."""
         return self._decomposer.grips
 
     @property
@@ -234,7 +227,7 @@ class Decomposition:
 
     @property
     def solver(self) -> str:
-        """Name of the solver that answered; ``"closed_form"`` where none was needed."""
+        """Who answered, whatever was asked for; ``"closed_form"`` where no solver is needed."""
         return self._decomposer.solver
 
     @_once
