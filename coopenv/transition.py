@@ -188,10 +188,9 @@ class Transition:
         if not self._shares:
             if self._measured:
                 rows, defined = self._measured[0]
-                force, torque = np.split(rows[:, SHARES:], 2, axis=1)
-                found = ShareOrEven(
-                    force.copy(), defined[:, 0].copy(), torque.copy(), defined[:, 1].copy()
-                )
+                half = SHARES + self.applied.shape[1]
+                force, torque = rows[:, SHARES:half].copy(), rows[:, half:].copy()
+                found = ShareOrEven(force, defined[:, 0].copy(), torque, defined[:, 1].copy())
             else:
                 found = share_or_even(self.applied, self.team.decomposer().grips)
             self._shares.append(found)
