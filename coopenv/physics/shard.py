@@ -107,10 +107,17 @@ class Shard:
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         """As `World.furnish`; here as below, worlds are counted within the shard."""
-        self._table[worlds] = _table(bodies, scenes, self._substep)
+        moves = [
+            j
+            for j, k in enumerate(worlds.tolist())
+            if not _moves_alike((bodies[j], scenes[j]), (self._bodies[k], self._scenes[k]))
+        ]
+        if moves:
+            others = [bodies[j] for j in moves], [scenes[j] for j in moves]
+            self._table[worlds[moves]] = _table(*others, self._substep)
         for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
             self._bodies[k] = body
-            if scene == self._scenes[k]:
+            if scene is self._scenes[k] or scene == self._scenes[k]:
                 continue
             self._scenes[k] = scene
             for obstacle in self._obstacles[k]:
@@ -196,6 +203,16 @@ class Shard:
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
         self._memory.rows[:] = order[np.searchsorted(listed, self._ids, sorter=order)]
+
+
+def _moves_alike(one: tuple[Body, Scene], other: tuple[Body, Scene]) -> bool:
+    """Whether two bodies have the same coefficients in their scenes, where nothing is touched."""
+    (body, scene), (other_body, other_scene) = one, other
+    if body is not other_body and body != other_body:
+        return False
+    return scene is other_scene or (
+        scene.gravity == other_scene.gravity and scene.normal_gravity == other_scene.normal_gravity
+    )
 
 
 def _table(bodies: Sequence[Body], scenes: Sequence[Scene], substep: float) -> FloatArray:
