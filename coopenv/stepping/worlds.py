@@ -129,7 +129,8 @@ class SteppedWorlds:
 
     def _facts(self, transition: Transition) -> dict[str, Any]:
         """What a partner tells: copies, since infos are read later and it may be its own memory."""
-        return {name: fact.copy() for name, fact in self.driven.info(transition).items()}
+        told = self.driven.info(transition)
+        return {name: fact.copy() for name, fact in told.items()} if told else told
 
     def _parts(self, worlds: IntArray) -> dict[str, Any]:
         """All that decides how ``worlds`` go on, one row each."""
@@ -213,7 +214,9 @@ class SteppedWorlds:
             more = cost_info(driven.of_learners(taken), driven.terms_of_learners(costs))
         if clipped is not None:
             more[CLIPPED] = clipped
-        more.update(self._facts(transition))
+        facts = self._facts(transition)
+        if facts:
+            more.update(facts)
         self._info = step_info(transition, driven.terms_of_learners(parts), more)
         return reward, terminated, truncated
 
