@@ -181,8 +181,9 @@ class SteppedWorlds:
         joint = self._joint(action, before, restart)
         self.transition = None  # from the middle of a step no episode goes on
         given = self.handling.move(self.world, joint, self.team)
-        next_state = self._state(before.next_state.goal, self._episodes.tick())
-        success, terminated, truncated = self._episodes.judge(self.conditions, next_state)
+        next_state, success, terminated, truncated = self._episodes.arrive(
+            self.conditions, self.world.pose, self.world.twist, before.next_state.goal
+        )
         self.transition = transition = Transition.of_step(
             state=before.next_state,
             next_state=next_state,
@@ -239,15 +240,6 @@ class SteppedWorlds:
         else:
             given = pushed(action, self.action_shape, self.table, restart)
         return self.driven.joint(given, before, restart)
-
-    def _state(self, goal: FloatArray, time: FloatArray) -> State:
-        task, plan = self._task, self.conditions.plan
-        if self._has_moving_goal:
-            goal = frames.wrap_pose(task.goal_at(plan, time))
-        pose = frames.wrap_pose(self.world.pose)
-        distance = task.way(plan, pose, goal)
-        # The world makes its arrays anew in every step, so they need no copy.
-        return State(pose=pose, twist=self.world.twist, goal=goal, distance=distance, time=time)
 
     def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
         """Put ``worlds`` at the start of an episode; the transition that led to nothing yet."""
