@@ -32,7 +32,7 @@ def split_and_measured(
         ``(world, agent, 2)`` [m].
     """
     solve = decomposer.solve
-    if type(solve) is not OnAxis:
+    if not isinstance(solve, OnAxis):
         return decomposer(applied), None
     manipulation = np.empty(applied.shape)
     rows, defined = _room(applied)
