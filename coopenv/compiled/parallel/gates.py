@@ -36,13 +36,11 @@ def new_gate() -> int:
     return gate
 
 
-_FLAG = ir.IntType(32)
-
-
 @instructions.instruction(types.void, types.intp, types.intp)
 def pass_through(builder, acquire, gate):
     """Sleep until a gate is opened; it is closed again behind who passes."""
-    instructions.call(builder, _FLAG, acquire, gate, ir.Constant(_FLAG, 1))
+    flag = ir.IntType(32)
+    instructions.call(builder, flag, acquire, gate, ir.Constant(flag, 1))
 
 
 @instructions.instruction(types.void, types.intp, types.intp)
@@ -54,4 +52,5 @@ def open_gate(builder, release, gate):
 @instructions.instruction(types.void, types.intp, types.intp, types.intp)
 def nap(builder, acquire_timed, gate, duration):
     """Sleep ``duration`` [µs] at a gate that nobody opens."""
-    instructions.call(builder, _FLAG, acquire_timed, gate, duration, ir.Constant(_FLAG, 0))
+    flag = ir.IntType(32)
+    instructions.call(builder, flag, acquire_timed, gate, duration, ir.Constant(flag, 0))
