@@ -270,5 +270,7 @@ def test_a_pose_task_that_is_not_asked_leads_to_the_same_bits():
         for mine, theirs in zip(first[1:], second[1:], strict=True):
             np.testing.assert_array_equal(mine, theirs)
         ended += np.array([first[1].sum(), first[3].sum()])
-    np.testing.assert_equal(*(e.get_state(np.arange(count)) for e in (asked, read)))
+    first, second = (e.get_state(np.arange(count)) for e in (asked, read))
+    np.testing.assert_array_equal(first["steps"], second["steps"])
+    np.testing.assert_array_equal(first["ended"], second["ended"])
     assert (ended > 50).all()  # by success and by time
