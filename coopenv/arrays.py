@@ -138,6 +138,8 @@ def whole(value: Any, name: str, *, at_least: int, at_most: int | None = None) -
 
 def number(value: Any, name: str) -> float:
     """Return ``value`` as a float, or raise `InvalidInput` unless it is a finite number."""
+    if type(value) is float and isfinite(value):
+        return value  # as they mostly are in what resets draw
     if value is None or isinstance(value, bool | np.bool_):  # NumPy makes NaN of None
         raise InvalidInput(f"{name} must be a number, got {value!r}; pass a float")
     try:

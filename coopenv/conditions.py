@@ -247,18 +247,20 @@ class Conditions:
         plan: FloatArray,
     ) -> "Conditions":
         """A copy in which ``worlds`` hold new things, one entry of each argument a world."""
-        grips = np.array([body.grips for body in bodies])
-        load = Load.of(bodies, self.load.outline.shape[1])
-        room = Room.of(scenes, self.room.boxes.shape[1])
-        return replace(
-            self,
-            bodies=with_items(self.bodies, worlds, bodies),
-            scenes=with_items(self.scenes, worlds, scenes),
-            team=self.team.with_worlds(worlds, grips, strengths),
-            load=_merged_rows(self.load, worlds, load),
-            room=_merged_rows(self.room, worlds, room),
-            plan=with_rows(self.plan, worlds, plan),
-        )
+        changed: dict[str, Any] = {"plan": with_rows(self.plan, worlds, plan)}
+        known = has_items(self.bodies, worlds, bodies)
+        if not known:
+            load = Load.of(bodies, self.load.outline.shape[1])
+            changed["bodies"] = with_items(self.bodies, worlds, bodies)
+            changed["load"] = _merged_rows(self.load, worlds, load)
+        if not (known and np.array_equal(self.team.strengths[worlds], strengths)):
+            grips = np.array([body.grips for body in bodies])
+            changed["team"] = self.team.with_worlds(worlds, grips, strengths)
+        if not has_items(self.scenes, worlds, scenes):
+            room = Room.of(scenes, self.room.boxes.shape[1])
+            changed["scenes"] = with_items(self.scenes, worlds, scenes)
+            changed["room"] = _merged_rows(self.room, worlds, room)
+        return replace(self, **changed)
 
 
 def _widened(plan: FloatArray, width: int) -> FloatArray:

@@ -238,9 +238,9 @@ class Draws:
                 f"max_obstacles of the task must be at least {len(boxes)}, got {self._own_boxes}; "
                 "raise it to the most obstacles an episode brings"
             )
-        far = np.array(scene.size) / 2 + WALL_THICKNESS
+        far = [side / 2 + WALL_THICKNESS for side in scene.size]
         for box in boxes:
-            if (np.abs(box.vertices) > far).any():
+            if not box.lies_within(far):
                 raise InvalidInput(
                     f"obstacles of an episode must lie within the walls of a room of {scene.size} "
                     f"m, got {box}; move or shorten it"

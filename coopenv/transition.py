@@ -9,7 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.conditions import Conditions, Team
 from coopenv.geometry import frames
-from coopenv.measured import SHARES, measured
+from coopenv.measured import SHARES, measured, split_and_measured
 from coopenv.physics.surroundings import acting
 from coopenv.power import Power, power_over
 from coopenv.wrench import Decomposition, LoadShare, Settings
@@ -127,8 +127,13 @@ class Transition:
     def decomposition(self) -> Decomposition:
         """Decomposition of ``applied`` under the environment's settings."""
         if not self._own:
-            self._own.append(self._decomposed(None, self.team.settings))
-            self._measure(self._own[0])
+            team = self.team
+            if team.settings.surroundings:
+                made, found = self._decomposed(None, team.settings), None
+            else:
+                made, found = split_and_measured(team.decomposer(), self.applied, team.grips)
+            self._own.append(made)
+            self._measure(made, found)
         return self._own[0]
 
     @property
@@ -142,11 +147,14 @@ class Transition:
             self._measure(decomposition)
         return self._measured[0][0]
 
-    def _measure(self, decomposition: Decomposition) -> None:
+    def _measure(
+        self, decomposition: Decomposition, found: tuple[FloatArray, BoolArray] | None = None
+    ) -> None:
         """Compute levels and shares together: who asks for one will want the other."""
-        team = self.team
-        grips = decomposition.grips if team.settings.surroundings else team.grips
-        found = measured(decomposition, grips, self.applied.shape[1])
+        if found is None:
+            team = self.team
+            grips = decomposition.grips if team.settings.surroundings else team.grips
+            found = measured(decomposition, grips, self.applied.shape[1])
         decomposition.take_levels(found[0][:, :SHARES])
         self._measured.append(found)
 
@@ -188,10 +196,9 @@ class Transition:
         if not self._shares:
             if self._measured:
                 rows, defined = self._measured[0]
-                force, torque = np.split(rows[:, SHARES:], 2, axis=1)
-                found = ShareOrEven(
-                    force.copy(), defined[:, 0].copy(), torque.copy(), defined[:, 1].copy()
-                )
+                half = SHARES + self.applied.shape[1]
+                force, torque = rows[:, SHARES:half].copy(), rows[:, half:].copy()
+                found = ShareOrEven(force, defined[:, 0].copy(), torque, defined[:, 1].copy())
             else:
                 found = share_or_even(self.applied, self.team.decomposer().grips)
             self._shares.append(found)

@@ -7,6 +7,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.compiled import compiled
+from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.transition import Transition
 
 from .energy import InternalPower
@@ -14,7 +15,7 @@ from .shaping import PotentialShaping, Progress, closeness
 from .terms import Contact, RelativeCost, Success, TimeCost, TrackingError, WastedCost, decomposed
 
 _GAIN, _OUTCOME, _CONSTANT, _SCALED, _SCALED_BY_TIME = range(5)  # kinds of rows
-_UNFIT, _FINITE = -1, 1  # what the kernel returns
+_UNFIT, _INFINITE, _FINITE = -1, 0, 1  # what came of it
 
 
 class Row(NamedTuple):
@@ -97,8 +98,9 @@ class Together:
         for t, read in self._reads:  # as they come, to be scaled in place
             parts[t, :, 0] = read(transition)
         found = _write(
-            self._kinds, self._numbers, transition.state.distance, transition.next_state.distance,
-            transition.success, transition.terminated, transition.dt, parts, total,
+            *sharing_rows(shape[0]), self._kinds, self._numbers, transition.state.distance,
+            transition.next_state.distance, transition.success, transition.terminated,
+            transition.dt, parts, total,
         )  # fmt: skip
         if found == _UNFIT:
             return None
@@ -114,17 +116,28 @@ def _row(term: Any) -> Row | None:
 
 
 @compiled
-def _write(kinds, numbers, before, after, success, terminated, dt, parts, total):
-    """Write ``parts`` ``(term, world, agent)`` and their sum, from zero on and in order.
+def _write(board, parts, kinds, numbers, before, after, success, terminated, dt, terms, total):
+    """Write ``terms`` ``(term, world, agent)`` and their sum, from zero on and in order.
 
-    What is to be scaled is in ``parts`` already, at agent 0.
+    What is to be scaled is in ``terms`` already, at agent 0.
     """
-    num_worlds, num_agents = total.shape
-    fit = len(before) == num_worlds and len(after) == num_worlds
-    if not (fit and len(success) == num_worlds and len(terminated) == num_worlds):
+    count = len(total)
+    fit = len(before) == count and len(after) == count
+    if not (fit and len(success) == count and len(terminated) == count):
         return _UNFIT
+    outcome = np.full(1, _FINITE)  # parts only ever write that it is not
+    arguments = (kinds, numbers, before, after, success, terminated, dt, terms, total, outcome)
+    spread(board, parts, count, _write_part, arguments)
+    return outcome[0]
+
+
+@compiled
+def _write_part(
+    start, stop, kinds, numbers, before, after, success, terminated, dt, parts, total, outcome
+):
+    num_agents = total.shape[1]
     finite = True
-    for k in range(num_worlds):
+    for k in range(start, stop):
         total[k, :] = 0.0
         for t in range(len(kinds)):
             kind, factor, value = kinds[t], numbers[t, 0], 0.0
@@ -147,4 +160,5 @@ def _write(kinds, numbers, before, after, success, terminated, dt, parts, total)
                 total[k, i] += value
         for i in range(num_agents):
             finite &= np.isfinite(total[k, i])
-    return _FINITE if finite else 0
+    if not finite:
+        outcome[0] = _INFINITE

@@ -256,6 +256,27 @@ def test_nobody_who_asks_for_no_decomposition_pays_for_one():
     assert core.transition._own
 
 
+@pytest.mark.parametrize("keywords", [{}, {"action": "motion"}, {"cost": "contact"}])
+def test_a_name_is_in_an_info_that_nobody_has_read_if_it_will_be_an_entry(keywords):
+    core = Transport(**keywords)
+    core.reset(seed=0)
+    *_, info = core.step(np.zeros(core.action_shape))
+    others = (
+        "stored_energy",
+        "cost",
+        "cost/contact",
+        "reward/nothing",
+        "body/mass",
+        "reward/",
+        "",
+        3,
+    )
+    found = {name: name in info for name in (*info.names(), *others)}
+    entries = list(info)
+    assert len(entries) > 15
+    assert found == {name: name in entries for name in found}
+
+
 def test_infos_that_nobody_has_read_compare_as_dictionaries_do():
     env = gymnasium.make("coopenv/BeamTransport-v0")
     env.reset(seed=0)

@@ -10,7 +10,6 @@ import pytest
 
 from coopenv import Body, Scene, Transport, TransportTask
 from coopenv.errors import InvalidInput, ResetNeeded
-from coopenv.observation.view import agent_view
 from coopenv.rewards import PRESETS
 from coopenv.transition import Transition
 from coopenv.wrench import Settings
@@ -376,7 +375,7 @@ def test_a_transition_survives_pickling():
     ride(core, actions(10, 3, 2, 2, 3))
     kept = pickle.loads(pickle.dumps(last(core)))
     assert_same(core.reward(kept), core.reward(last(core)))
-    np.testing.assert_array_equal(agent_view(kept), agent_view(last(core)))
+    np.testing.assert_array_equal(core.observation(kept), core.observation(last(core)))
 
 
 def test_the_transition_of_a_step_is_one_that_the_constructor_makes():

@@ -17,6 +17,7 @@ from numba.core.dispatcher import Dispatcher
 KERNELS: WeakSet[Any] = WeakSet()  # the Python functions of all that is cached
 ANYWHERE: WeakSet[Any] = WeakSet()  # those that Python calls as they are
 _PACKAGES: set[str] = set()  # where they come from; helpers are looked for nowhere else
+_looked_through: set[tuple[str, str]] = set()  # modules and files whose named tuples were noted
 _imported: dict[str, tuple[int, int]] = {}  # files that kernels come from, as they were then
 
 
@@ -30,10 +31,14 @@ def known(function: Callable[..., Any]) -> Callable[..., Any]:
 def seen(function: Callable[..., Any]) -> None:
     """Remember what the file of a function is like as it is imported.
 
-    So are those of the named tuples that it can use.
+    So are those of the named tuples that it can use; a module has them before its first function.
     """
-    _PACKAGES.add(function.__module__.partition(".")[0])
-    _note(function.__code__.co_filename)
+    file, module = function.__code__.co_filename, function.__module__
+    _PACKAGES.add(module.partition(".")[0])
+    _note(file)
+    if (module, file) in _looked_through:
+        return
+    _looked_through.add((module, file))
     for value in function.__globals__.values():
         if _is_named_tuple(value):
             file = getattr(sys.modules.get(value.__module__), "__file__", None)

@@ -163,13 +163,19 @@ class TransportParallelEnv(ParallelEnv[str, Observation, Action | None]):
     def _joint(self, actions: Mapping[str, Action | None]) -> npt.NDArray[np.float64]:
         if not self.agents:
             raise ResetNeeded("reset must be called before a step, got an ended episode; reset()")
-        if not isinstance(actions, Mapping) or set(actions) != set(self.agents):
+        if not isinstance(actions, Mapping) or actions.keys() != set(self.agents):
             given = list(actions) if isinstance(actions, Mapping) else actions
             raise InvalidInput(
                 f"actions must have one entry for each of {self.agents}, got {given}; "
                 "add or drop entries"
             )
-        return np.array([[self.read(agent, actions[agent]) for agent in self.agents]])
+        given = [self.read(agent, actions[agent]) for agent in self.agents]
+        if self.transport.table is not None:
+            return np.array([given])
+        joint = np.empty((1, len(given), self.transport.action_size))
+        for i, row in enumerate(given):
+            joint[0, i] = row
+        return joint
 
     def read(self, agent: str, action: Any) -> npt.NDArray[Any]:
         """One agent's action ``(action_size,)``, or the number ``()`` of a push.

@@ -58,7 +58,8 @@ class Info(dict[str, Any]):
 
         All but one, since Python's JSON takes a dictionary for empty by its memory.
         """
-        info = cls({FIRST: source[FIRST]})
+        info = cls()
+        dict.__setitem__(info, FIRST, source[FIRST])
         info.pending = source
         return info
 

@@ -61,7 +61,17 @@ class _OfStep:
         yield from self._more
 
     def __contains__(self, name: object) -> bool:
-        return name in _ENTRIES or any(name == other for other in self)
+        if name in _ENTRIES:
+            return True
+        if not isinstance(name, str):
+            return False
+        if name == _STORED_ENERGY:
+            return self._transition.stored_energy is not None
+        if name.startswith(REWARD):
+            return name.removeprefix(REWARD) in self._parts
+        if name.startswith(BODY):
+            return name.removeprefix(BODY) in self._parameters()
+        return name in self._more
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         read = _ENTRIES.get(name)

@@ -5,7 +5,6 @@ a row is, follows from it.
 """
 
 from collections import namedtuple
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +14,7 @@ from coopenv.compiled import compiled, inlined
 from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.geometry.frames import rotated, rotated_back
 from coopenv.measured import SHARES
-from coopenv.observation.block import Block, EachOther, side_by_side
+from coopenv.observation.block import Block, EachOther
 from coopenv.transition import Transition
 from coopenv.wrench.measures import RELATIVE_COST
 
@@ -85,32 +84,6 @@ DECOMPOSED = ("own_internal", "partner_internal", "load_share", "relative_cost")
 
 _NO_MEASURES = np.empty((0, 0))
 _PART = namedtuple("_PART", VIEW_PARTS)(*range(len(VIEW)))  # the number of each, for the kernel
-
-
-def view_slices(num_agents: int) -> dict[str, slice]:
-    """Where each block of the view lies in a row of a team of ``num_agents``."""
-    return side_by_side(VIEW, num_agents)
-
-
-@lru_cache
-def _ends(num_agents: int) -> IntArray:
-    """Where each block begins, and at the end the width of a row."""
-    slices = view_slices(num_agents).values()
-    ends = np.array([0, *(part.stop for part in slices)])
-    ends.flags.writeable = False  # every view of such a team shares it
-    return ends
-
-
-def agent_view(transition: Transition) -> npt.NDArray[np.float32]:
-    """What each agent's frame shows of the end of a step: `VIEW`, ``(world, agent, feature)``.
-
-    A fresh array. What an agent is not told reads 0, a share that is not defined 1/n.
-    """
-    num_worlds, num_agents = transition.applied.shape[:2]
-    ends = _ends(num_agents)
-    seen = np.empty((num_worlds, num_agents, ends[-1]), dtype=np.float32)
-    write_view(transition, ends, True, seen)
-    return seen
 
 
 def write_view(

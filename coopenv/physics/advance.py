@@ -94,53 +94,64 @@ def _average(around, dt):
             around[k, i] /= dt
 
 
+@inlined
+def _part_of_shard(s, size, memory, begin, reached):
+    """Rows of shard ``s``: where they begin and end, and its part of what all worlds have.
+
+    Of ``memory`` rows, table, rooms and expected; of ``begin`` and ``reached`` everything.
+    """
+    rows, table, rooms, expected = memory[0], memory[1], memory[2], memory[3]
+    a, b = s * size, min((s + 1) * size, len(rows))
+    kept = rows[a:b], table[a:b], rooms[a:b], expected[a:b]
+    free = begin[0][a:b], begin[1][a:b]
+    pose, twist, impulse, shift, around = reached
+    come = pose[a:b], twist[a:b], impulse[a:b], shift[a:b], around[a:b]
+    return a, b, kept, free, come
+
+
 @compiled
 def _step_shards(start, stop, calls, memory, begin, wrench, reached, lost, size, dt, substeps):
-    rows, table, rooms, expected, handles, cursors, commands, reports = memory
+    handles, cursors, commands, reports = memory[4], memory[5], memory[6], memory[7]
     substep = dt / substeps
     for s in range(start, stop):
-        a, b = s * size, min((s + 1) * size, len(rows))
-        own, of, foreseen = rows[a:b], table[a:b], expected[a:b]
-        pose, twist, impulse, shift, around = (
-            reached[0][a:b], reached[1][a:b], reached[2][a:b], reached[3][a:b], reached[4][a:b],
-        )  # fmt: skip
+        a, b, kept, free, come = _part_of_shard(s, size, memory, begin, reached)
+        rows, table, rooms, expected = kept
+        pose, twist, impulse, shift, around = come
         under, step = wrench[a:b], commands[s]
-        drive(own, of, begin[0][a:b], begin[1][a:b], under, substep, step, foreseen, around)
+        drive(rows, table, free[0], free[1], under, substep, step, expected, around)
         for left in range(substeps - 1, -1, -1):
             _move(s, calls, handles, cursors, substep)
             lost[s] = collect(
-                own, of, rooms[a:b], reports[s], foreseen, pose, twist, impulse, shift, around
+                rows, table, rooms, reports[s], expected, pose, twist, impulse, shift, around
             )
             if left == 0 or lost[s] >= 0:
                 break
-            drive(own, of, pose, twist, under, substep, step, foreseen, around)
+            drive(rows, table, pose, twist, under, substep, step, expected, around)
         _average(around, dt)
 
 
 @compiled
 def _hold_shards(start, stop, calls, memory, begin, hands, reached, lost, size, dt, substeps):
-    rows, table, rooms, expected, handles, cursors, commands, reports = memory
+    handles, cursors, commands, reports = memory[4], memory[5], memory[6], memory[7]
     substep, share = dt / substeps, 1 / substeps
     for s in range(start, stop):
-        a, b = s * size, min((s + 1) * size, len(rows))
-        own, of, foreseen = rows[a:b], table[a:b], expected[a:b]
-        pose, twist, impulse, shift, around = (
-            reached[0][a:b], reached[1][a:b], reached[2][a:b], reached[3][a:b], reached[4][a:b],
-        )  # fmt: skip
+        a, b, kept, free, come = _part_of_shard(s, size, memory, begin, reached)
+        rows, table, rooms, expected = kept
+        pose, twist, impulse, shift, around = come
         under = (
             hands[0][a:b], hands[1][a:b], hands[2][a:b], hands[3][a:b], hands[4][a:b],
             hands[5][a:b], hands[6][a:b], hands[7][a:b], hands[8][a:b], hands[9][a:b],
         )  # fmt: skip
         step = commands[s]
-        hold(own, of, begin[0][a:b], begin[1][a:b], under, substep, share, step, foreseen, around)
+        hold(rows, table, free[0], free[1], under, substep, share, step, expected, around)
         for left in range(substeps - 1, -1, -1):
             _move(s, calls, handles, cursors, substep)
             lost[s] = collect(
-                own, of, rooms[a:b], reports[s], foreseen, pose, twist, impulse, shift, around
+                rows, table, rooms, reports[s], expected, pose, twist, impulse, shift, around
             )
             if left == 0 or lost[s] >= 0:
                 break
-            hold(own, of, pose, twist, under, substep, share, step, foreseen, around)
+            hold(rows, table, pose, twist, under, substep, share, step, expected, around)
         feel(pose, twist, under)
         _average(around, dt)
 

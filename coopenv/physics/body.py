@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from math import cos, pi, sin
 from typing import Any
 
@@ -170,12 +171,17 @@ class Body:
     @property
     def reach(self) -> float:
         """Distance of the outline's farthest point from the centre of mass [m]."""
-        return float(np.linalg.norm(self.outline, axis=-1).max())
+        return _reach(self.outline)
 
     @property
     def length(self) -> float:
         """Extent of the outline along x [m]."""
         return max(x for x, _ in self.outline) - min(x for x, _ in self.outline)
+
+
+@lru_cache(maxsize=256)
+def _reach(outline: Points) -> float:
+    return float(np.linalg.norm(outline, axis=-1).max())
 
 
 def copied(body: Body, values: Mapping[str, Any]) -> Body:

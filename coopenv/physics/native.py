@@ -3,7 +3,7 @@
 from llvmlite import ir
 from numba import types
 
-from coopenv.compiled import in_llvm
+from coopenv.compiled import instructions
 
 STEP, EACH_BODY, SET_BODY, GET_BODY = range(4)  # entries of an array of addresses
 NUM_CALLS = 4
@@ -11,29 +11,13 @@ SPACE, COMMANDS, REPORTS = range(3)  # of what a space is known by: it, and what
 NUM_HANDLES = 3
 
 
-@in_llvm
-def step_space(typingctx, step, space, duration):
+@instructions.instruction(types.void, types.intp, types.intp, types.float64)
+def step_space(builder, step, space, duration):
     """``cpSpaceStep(space, duration)``."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        kind = ir.FunctionType(ir.VoidType(), (ir.IntType(64), ir.DoubleType()))
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp, types.float64), generate
+    instructions.call(builder, ir.VoidType(), step, space, duration)
 
 
-@in_llvm
-def each_body(typingctx, each, space, function, data):
+@instructions.instruction(types.void, types.intp, types.intp, types.intp, types.intp)
+def each_body(builder, each, space, function, data):
     """``cpSpaceEachBody(space, function, data)``."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        kind = ir.FunctionType(ir.VoidType(), (ir.IntType(64),) * 3)
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp, types.intp, types.intp), generate
+    instructions.call(builder, ir.VoidType(), each, space, function, data)

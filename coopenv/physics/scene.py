@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import hypot
+from typing import TypeGuard
 
 import numpy as np
 
@@ -32,6 +34,13 @@ class Box:
     def row(self) -> tuple[float, float, float, float, float]:
         """Centre x, y, width, height [m] and angle [rad], as kernels have boxes."""
         return (*self.center, *self.size, self.angle)
+
+    def lies_within(self, far: Sequence[float]) -> bool:
+        """Whether no corner is farther than ``far`` (x, y) [m] from the world's origin."""
+        (x, y), half = self.center, hypot(*self.size) / 2
+        if abs(x) + half < far[0] and abs(y) + half < far[1]:  # however it is turned
+            return True
+        return not (np.abs(self.vertices) > far).any()
 
     @property
     def vertices(self) -> FloatArray:
@@ -160,9 +169,20 @@ def _apart(first: FloatArray, second: FloatArray) -> bool:
     return False
 
 
+def _is_plain_pair(value: object) -> TypeGuard[tuple[float, float]]:
+    """Whether nothing has to be looked at: two floats in bounds, as tasks give them."""
+    if type(value) is not tuple or len(value) != 2:
+        return False
+    x, y = value
+    plain = type(x) is float and type(y) is float
+    return plain and abs(x) <= FARTHEST and abs(y) <= FARTHEST
+
+
 def _pair(
     value: object, name: str, how: str = "(x, y) in metres", unit: str = "m"
 ) -> tuple[float, float]:
+    if _is_plain_pair(value):
+        return value
     array = stated_array(value, name)
     if array.shape != (2,):
         raise InvalidInput(f"{name} must be two numbers, got {value!r}; pass {how}")

@@ -7,6 +7,7 @@ pymunk's library, by their addresses, and the two structures that they take.
 
 import weakref
 from collections.abc import Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,7 @@ class Shard:
             for scene, origin in zip(scenes, self._origin, strict=True)
         ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
+        self._made = list(bodies)  # what the bodies in the space were made from
         self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
         self._names = _buffer(self)
         self._find_rows()
@@ -107,10 +109,17 @@ class Shard:
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         """As `World.furnish`; here as below, worlds are counted within the shard."""
-        self._table[worlds] = _table(bodies, scenes, self._substep)
+        moves = [
+            j
+            for j, k in enumerate(worlds.tolist())
+            if not _moves_alike((bodies[j], scenes[j]), (self._bodies[k], self._scenes[k]))
+        ]
+        if moves:
+            others = [bodies[j] for j in moves], [scenes[j] for j in moves]
+            self._table[worlds[moves]] = _table(*others, self._substep)
         for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
             self._bodies[k] = body
-            if scene == self._scenes[k]:
+            if scene is self._scenes[k] or scene == self._scenes[k]:
                 continue
             self._scenes[k] = scene
             for obstacle in self._obstacles[k]:
@@ -120,20 +129,27 @@ class Shard:
             self._obstacles[k] = self._build(boxes, self._origin[k], scene.friction)
 
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
-        """Make the bodies of ``worlds`` anew at ``pose``, at rest and untouched."""
-        # A new body as well as a new shape: the correction velocity of the last contact stays
-        # with the body, the impulses that warm-start the next one with the shape.
+        """Put the bodies of ``worlds`` at ``pose``, at rest and untouched."""
         position = (pose[:, :2] + self._origin[worlds]).tolist()
+        others = False
         for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
-            old = self._shapes[k]
-            assert old.body is not None
-            self.space.remove(old, old.body)
-            self._shapes[k] = self._add(k, x, y, angle)
+            shape = self._shapes[k]
+            body = shape.body
+            assert body is not None
+            self.space.remove(shape)  # and with it the impulses that warm-start its next contact
+            made = self._made[k]
+            if (made is self._bodies[k] or made == self._bodies[k]) and _is_sane(body):
+                _rest(body, x, y, angle)
+                self.space.add(shape)
+            else:
+                self.space.remove(body)
+                self._shapes[k], others = self._add(k, x, y, angle), True
         self._memory.expected[worlds] = 0.0  # no contact lasts
         # A step of no time moves nothing. It lets go of the shapes that were removed, which the
         # space otherwise keeps until it steps, however often worlds are placed meanwhile.
         self.space.step(0.0)
-        self._find_rows()
+        if others:
+            self._find_rows()
 
     def move(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put bodies that remember no contact elsewhere."""
@@ -170,7 +186,7 @@ class Shard:
         shape = pymunk.Poly(body, self._bodies[k].outline)
         shape.friction = self._bodies[k].friction
         self.space.add(body, shape)
-        self._ids[k] = body.id
+        self._ids[k], self._made[k] = body.id, self._bodies[k]
         return shape
 
     def _view(
@@ -196,6 +212,29 @@ class Shard:
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
         self._memory.rows[:] = order[np.searchsorted(listed, self._ids, sorter=order)]
+
+
+def _is_sane(body: pymunk.Body) -> bool:
+    """Whether a body is somewhere: one that a wall flung off its numbers cannot be put back."""
+    return isfinite(sum(body.position) + sum(body.velocity) + body.angle + body.angular_velocity)
+
+
+def _rest(body: pymunk.Body, x: float, y: float, angle: float) -> None:
+    """Leave nothing to a body of what it did before."""
+    body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
+    # Over no time it goes nowhere, and loses the velocity that corrects the last contact
+    pymunk.Body.update_position(body, 0.0)
+    body.position, body.angle = (x, y), angle
+
+
+def _moves_alike(one: tuple[Body, Scene], other: tuple[Body, Scene]) -> bool:
+    """Whether two bodies have the same coefficients in their scenes, where nothing is touched."""
+    (body, scene), (other_body, other_scene) = one, other
+    if body is not other_body and body != other_body:
+        return False
+    return scene is other_scene or (
+        scene.gravity == other_scene.gravity and scene.normal_gravity == other_scene.normal_gravity
+    )
 
 
 def _table(bodies: Sequence[Body], scenes: Sequence[Scene], substep: float) -> FloatArray:

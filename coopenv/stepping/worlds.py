@@ -129,7 +129,8 @@ class SteppedWorlds:
 
     def _facts(self, transition: Transition) -> dict[str, Any]:
         """What a partner tells: copies, since infos are read later and it may be its own memory."""
-        return {name: fact.copy() for name, fact in self.driven.info(transition).items()}
+        told = self.driven.info(transition)
+        return {name: fact.copy() for name, fact in told.items()} if told else told
 
     def _parts(self, worlds: IntArray) -> dict[str, Any]:
         """All that decides how ``worlds`` go on, one row each."""
@@ -180,8 +181,9 @@ class SteppedWorlds:
         joint = self._joint(action, before, restart)
         self.transition = None  # from the middle of a step no episode goes on
         given = self.handling.move(self.world, joint, self.team)
-        next_state = self._state(before.next_state.goal, self._episodes.tick())
-        success, terminated, truncated = self._episodes.judge(self.conditions, next_state)
+        next_state, success, terminated, truncated = self._episodes.arrive(
+            self.conditions, self.world.pose, self.world.twist, before.next_state.goal
+        )
         self.transition = transition = Transition.of_step(
             state=before.next_state,
             next_state=next_state,
@@ -213,7 +215,9 @@ class SteppedWorlds:
             more = cost_info(driven.of_learners(taken), driven.terms_of_learners(costs))
         if clipped is not None:
             more[CLIPPED] = clipped
-        more.update(self._facts(transition))
+        facts = self._facts(transition)
+        if facts:
+            more.update(facts)
         self._info = step_info(transition, driven.terms_of_learners(parts), more)
         return reward, terminated, truncated
 
@@ -236,15 +240,6 @@ class SteppedWorlds:
         else:
             given = pushed(action, self.action_shape, self.table, restart)
         return self.driven.joint(given, before, restart)
-
-    def _state(self, goal: FloatArray, time: FloatArray) -> State:
-        task, plan = self._task, self.conditions.plan
-        if self._has_moving_goal:
-            goal = frames.wrap_pose(task.goal_at(plan, time))
-        pose = frames.wrap_pose(self.world.pose)
-        distance = task.way(plan, pose, goal)
-        # The world makes its arrays anew in every step, so they need no copy.
-        return State(pose=pose, twist=self.world.twist, goal=goal, distance=distance, time=time)
 
     def _start(self, worlds: IntArray, pose: FloatArray, goal: FloatArray) -> Transition:
         """Put ``worlds`` at the start of an episode; the transition that led to nothing yet."""

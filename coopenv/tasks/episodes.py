@@ -8,7 +8,9 @@ from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.compiled import compiled
 from coopenv.conditions import Conditions
 from coopenv.errors import ResetNeeded
+from coopenv.geometry import frames
 from coopenv.tasks.base import Task, overrides
+from coopenv.tasks.pose import PoseClock, PoseTask
 from coopenv.transition import State
 
 
@@ -32,6 +34,10 @@ class Episodes:
         # A neutral answer is not asked for: it would cost an array operation a step.
         self._may_be_early, self._is_judged = overrides(task, "due"), overrides(task, "accepts")
         self._may_fail = overrides(task, "failure")
+        self._moves = task.moves
+        self._clock = None
+        if isinstance(task, PoseTask) and PoseClock.applies(task):
+            self._clock = PoseClock(task, dt=dt, horizon=horizon)
         self._steps = np.zeros(num_worlds, dtype=np.int64)
         self._distances = np.zeros(num_worlds)  # [m] sum over the steps of the episode
         self._ended, self._any_ended = np.ones(num_worlds, dtype=np.bool_), True
@@ -67,6 +73,27 @@ class Episodes:
                 f"with {len(ended)} ended (the first: {ended[0]}); "
                 "call reset(mask=terminated | truncated)"
             )
+
+    def arrive(
+        self, conditions: Conditions, pose: FloatArray, twist: FloatArray, goal: FloatArray
+    ) -> tuple[State, BoolArray, BoolArray, BoolArray]:
+        """Go on by one control step, which led to ``pose`` (not wrapped) and ``twist``.
+
+        ``goal`` is that before it, where it does not move. The state, and as of `judge`.
+        """
+        if self._clock is not None:
+            state, success, truncated, self._any_ended = self._clock.arrive(
+                pose, twist, goal, self._steps, self._ended
+            )
+            return state, success, success, truncated
+        task, plan, time = self._task, conditions.plan, self.tick()
+        if self._moves:
+            goal = frames.wrap_pose(task.goal_at(plan, time))
+        pose = frames.wrap_pose(pose)
+        distance = task.way(plan, pose, goal)
+        # The world makes its arrays anew in every step, so they need no copy.
+        state = State(pose=pose, twist=twist, goal=goal, distance=distance, time=time)
+        return state, *self.judge(conditions, state)
 
     def tick(self) -> FloatArray:
         """Go on by one control step; the time ``(world,)`` since each episode began [s]."""

@@ -6,14 +6,18 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray, positive
-from coopenv.compiled import compiled
-from coopenv.geometry.frames import rotated, turn_between
+from coopenv.arrays import BoolArray, FloatArray, IntArray, positive
+from coopenv.compiled import compiled, inlined
+from coopenv.compiled.parallel import sharing_rows, spread
+from coopenv.geometry.frames import rotated, turn_between, wrapped
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
-from coopenv.tasks.base import Pose, Task
+from coopenv.tasks.base import Pose, Task, overrides
+from coopenv.transition import State
 
 _TRIES = 10_000  # so many that what one reset finds, others find
+# Hooks that have a say in a step beside distance and success
+_COUNTS_TOO = ("way", "goal_at", "due", "accepts", "failure")
 _OR_ZERO = ("clearance", "min_distance")
 
 
@@ -88,19 +92,122 @@ def _between(fraction: float, low: float, high: float, extent: list[float]) -> f
     return first + fraction * (last - first) if first <= last else None
 
 
+class PoseClock:
+    """Time, distance, success and end of all episodes of a task that asks for a pose, in one pass.
+
+    To the bits of asking the task for one after the other.
+
+    Parameters
+    ----------
+    task
+        One that this `applies` to.
+    dt
+        Control step [s].
+    horizon
+        Control steps after which an episode is truncated.
+    """
+
+    def __init__(self, task: PoseTask, *, dt: float, horizon: int):
+        self._limits = dt, horizon
+        self._tolerances = (
+            task.angle_weight, task.position_tolerance, task.angle_tolerance,
+            task.speed_tolerance, task.spin_tolerance,
+        )  # fmt: skip
+
+    @staticmethod
+    def applies(task: Task) -> bool:
+        """Whether a task's distance and success are those of `PoseTask`, and all that counts."""
+        kind = type(task)
+        own = isinstance(task, PoseTask) and (kind.distance, kind.success) == (
+            PoseTask.distance,
+            PoseTask.success,
+        )
+        return own and not any(overrides(task, name) for name in _COUNTS_TOO)
+
+    def arrive(
+        self, pose: FloatArray, twist: FloatArray, goal: FloatArray, steps: IntArray,
+        ended: BoolArray,
+    ) -> tuple[State, BoolArray, BoolArray, bool]:  # fmt: skip
+        """What a step led to; ``steps`` and ``ended`` ``(world,)`` go on.
+
+        Parameters
+        ----------
+        pose, twist, goal
+            ``(world, 3)`` each; the pose's angle is wrapped in the state.
+
+        Returns
+        -------
+        The state; which worlds ``(world,)`` are done, and which ran out of time; whether any ended.
+        """
+        count = len(pose)
+        reached, distance, time = np.empty((count, 3)), np.empty(count), np.empty(count)
+        success, truncated = np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.bool_)
+        some = _arrive(
+            *sharing_rows(count), self._limits, self._tolerances, pose, twist, goal, steps, ended,
+            reached, distance, time, success, truncated,
+        )  # fmt: skip
+        state = State(pose=reached, twist=twist, goal=goal, distance=distance, time=time)
+        return state, success, truncated, some
+
+
+@inlined
+def _apart(pose, goal, k):
+    """How far world ``k`` is from its goal, in place [m] and angle [rad]."""
+    away = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
+    return away, turn_between(pose[k, 2], goal[k, 2])
+
+
+@inlined
+def _rests(away, turn, twist, k, position, angle, speed, spin):
+    """Whether a body so far from its goal is there, and at rest."""
+    there = away <= position and turn <= angle
+    return there and np.hypot(twist[k, 0], twist[k, 1]) <= speed and abs(twist[k, 2]) <= spin
+
+
 @compiled
 def _write_distance(pose, goal, angle_weight, distance):
     for k in range(len(pose)):
-        away = np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1])
-        distance[k] = away + angle_weight * turn_between(pose[k, 2], goal[k, 2])
+        away, turn = _apart(pose, goal, k)
+        distance[k] = away + angle_weight * turn
 
 
 @compiled
 def _write_success(pose, twist, goal, position, angle, speed, spin, success):
     for k in range(len(pose)):
-        success[k] = (
-            np.hypot(goal[k, 0] - pose[k, 0], goal[k, 1] - pose[k, 1]) <= position
-            and turn_between(pose[k, 2], goal[k, 2]) <= angle
-            and np.hypot(twist[k, 0], twist[k, 1]) <= speed
-            and abs(twist[k, 2]) <= spin
-        )
+        away, turn = _apart(pose, goal, k)
+        success[k] = _rests(away, turn, twist, k, position, angle, speed, spin)
+
+
+@compiled
+def _arrive_part(
+    start, stop, limits, tolerances, pose, twist, goal, steps, ended,
+    reached, distance, time, success, truncated, some,
+):  # fmt: skip
+    dt, horizon = limits
+    angle_weight, position, angle, speed, spin = tolerances
+    for k in range(start, stop):
+        steps[k] += 1
+        time[k] = steps[k] * dt
+        reached[k, 0], reached[k, 1], reached[k, 2] = pose[k, 0], pose[k, 1], wrapped(pose[k, 2])
+        away, turn = _apart(reached, goal, k)
+        distance[k] = away + angle_weight * turn
+        success[k] = _rests(away, turn, twist, k, position, angle, speed, spin)
+        truncated[k] = steps[k] >= horizon and not success[k]
+        ended[k] = truncated[k] or success[k]
+        if ended[k]:
+            some[0] = True
+
+
+@compiled
+def _arrive(
+    board, parts, limits, tolerances, pose, twist, goal, steps, ended,
+    reached, distance, time, success, truncated,
+):  # fmt: skip
+    """See `PoseClock.arrive`; whether any ended."""
+    some = np.zeros(1, dtype=np.bool_)
+    arguments = (
+        limits, tolerances, pose, twist, goal, steps, ended,
+        reached, distance, time, success, truncated, some,
+    )  # fmt: skip
+    spread(board, parts, len(pose), _arrive_part, arguments)
+    return some[0]

@@ -222,6 +222,7 @@ class TrackingTask(PoseTask):
         longest = min(self.speed * mean, min(scene.size) / 2)  # [m]
         widest = min(self.spin * mean, pi)  # [rad]
         x, y, angle = pose
+        outline, floor = np.array(body.outline), _floor(scene, self.clearance)
         for _ in range(_TRIES_A_SEGMENT):
             direction, far, round_, sign = generator.random(4).tolist()
             way = 0.0 if kind == "rotate" else longest * (_LEAST + (1 - _LEAST) * far)
@@ -233,8 +234,9 @@ class TrackingTask(PoseTask):
                 angle + turn,
             )
             looks = 2 + int((way + abs(turn) * body.reach) / _STRIDE)
-            along = np.linspace(pose, end, looks)
-            if _blocked(along, body, scene, self.clearance) is None:
+            if _leaves(pose, end, looks, outline, floor):
+                continue
+            if not scene.obstacles or _is_clear(np.linspace(pose, end, looks), body, scene):
                 return end
         return None
 
@@ -242,14 +244,24 @@ class TrackingTask(PoseTask):
 def _blocked(poses: FloatArray, body: Body, scene: Scene, clearance: float) -> int | None:
     """The first of ``poses`` ``(pose, 3)`` in which the body is not free, if there is one."""
     outlines = _outlines(poses, np.array(body.outline))
-    half = np.array(scene.size) / 2 - clearance + 1e-9
-    blocked = _first_outside(outlines, half)
+    blocked = _first_outside(outlines, _floor(scene, clearance))
     if blocked >= 0:
         return blocked
     for number, outline in enumerate(outlines if scene.obstacles else ()):
         if not scene.is_clear(outline):
             return number
     return None
+
+
+def _is_clear(poses: FloatArray, body: Body, scene: Scene) -> bool:
+    """Whether the body keeps off all obstacles in all ``poses`` ``(pose, 3)``."""
+    return all(map(scene.is_clear, _outlines(poses, np.array(body.outline))))
+
+
+def _floor(scene: Scene, clearance: float) -> tuple[float, float]:
+    """How far from the room's centre corners of a body may be along x and y [m]."""
+    width, height = scene.size
+    return width / 2 - clearance + 1e-9, height / 2 - clearance + 1e-9
 
 
 @compiled
@@ -265,8 +277,33 @@ def _outlines(poses, outline):
 
 
 @compiled
+def _leaves(start, end, looks, outline, half):
+    """Whether an outline has a corner beyond ±``half`` on the way between two poses.
+
+    Looked at are so many, to the bits of those of `numpy.linspace`.
+    """
+    last = looks - 1
+    dx, dy, turn = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    stays = dx / last == 0.0 or dy / last == 0.0 or turn / last == 0.0
+    for k in range(looks):
+        x, y, angle = end
+        if k < last and stays:
+            part = k / last
+            x, y, angle = part * dx + start[0], part * dy + start[1], part * turn + start[2]
+        elif k < last:
+            x, y = k * (dx / last) + start[0], k * (dy / last) + start[1]
+            angle = k * (turn / last) + start[2]
+        c, s = np.cos(angle), np.sin(angle)
+        for j in range(len(outline)):
+            corner_x, corner_y = placed(x, y, c, s, outline[j, 0], outline[j, 1])
+            if abs(corner_x) > half[0] or abs(corner_y) > half[1]:
+                return True
+    return False
+
+
+@compiled
 def _first_outside(outlines, half):
-    """The first outline with a corner beyond ±``half`` ``(2,)``, or −1."""
+    """The first outline with a corner beyond ±``half``, or −1."""
     for k in range(len(outlines)):
         for corner in outlines[k]:
             if abs(corner[0]) > half[0] or abs(corner[1]) > half[1]:

@@ -6,7 +6,6 @@ from math import hypot, pi
 import numpy as np
 
 from coopenv.arrays import FloatArray, Range, between, positive, positive_range, whole
-from coopenv.conditions import Room
 from coopenv.errors import InvalidInput
 from coopenv.geometry.clearance import ways_to_boxes, ways_to_walls
 from coopenv.geometry.frames import wrapped
@@ -112,19 +111,18 @@ class WalkerAvoidTask(RollingTask):
             draws = generator.random((_BLOCK, 8))
             place, angle = free * (2 * draws[:, :2] - 1), pi * (1 - 2 * draws[:, 2])
             line = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-            approach = self.approach[0] + np.ptp(self.approach) * draws[:, 3]
-            beyond = self.beyond[0] + np.ptp(self.beyond) * draws[:, 4]
-            goal = place + (approach + beyond)[:, None] * line
-            across = self.offset * (2 * draws[:, 5] - 1)
-            first = place + approach[:, None] * line
-            first += across[:, None] * np.stack([-line[:, 1], line[:, 0]], axis=-1)
-            turned = angle[:, None] + self.veer * (2 * draws[:, 6:] - 1)
+            approach = _from(self.approach, draws[:, 3])
+            goal = place + (approach + _from(self.beyond, draws[:, 4]))[:, None] * line
             for k in np.flatnonzero((np.abs(goal) <= free).all(axis=1)).tolist():
-                boxes = self._boxes(generator, first[k], scene)
+                across = self.offset * (2 * draws[k, 5] - 1)
+                first = place[k] + approach[k] * line[k]
+                first += across * np.array([-line[k, 1], line[k, 0]])
+                turned = angle[k] + self.veer * (2 * draws[k, 6:] - 1)
+                boxes = self._boxes(generator, first, scene)
                 rows = [number for box in boxes for number in box.row]
                 episode = Episode(
-                    start=_pose(place[k], turned[k, 0]),
-                    goal=_pose(goal[k], turned[k, 1]),
+                    start=_pose(place[k], turned[0]),
+                    goal=_pose(goal[k], turned[1]),
                     obstacles=boxes,
                     plan=(radius, *scene.size, *rows),  # for `way`
                 )
@@ -151,23 +149,25 @@ class WalkerAvoidTask(RollingTask):
 
     def _has_way(self, episode: Episode, radius: float, body: Body, scene: Scene) -> bool:
         """Whether both ends have room, and a way for a disc leads from one to the other."""
-        far = np.array(scene.size) / 2 + WALL_THICKNESS
-        if any((np.abs(box.vertices) > far).any() for box in episode.obstacles):
+        far = [side / 2 + WALL_THICKNESS for side in scene.size]
+        if not all(box.lies_within(far) for box in episode.obstacles):
             return False
-        room = Room.of(
-            [Scene(size=scene.size, obstacles=(*scene.obstacles, *episode.obstacles))] * 2,
-            len(scene.obstacles) + len(episode.obstacles),
-        )
-        ends, outline = np.array([episode.start, episode.goal]), np.array([body.outline] * 2)
-        if ways_to_walls(outline, ends, room.size).min() < self.clearance:
+        # Of two worlds, of which one has the start and one the goal
+        rows = [box.row for box in (*scene.obstacles, *episode.obstacles)]
+        boxes, count = np.array([rows] * 2), np.array([len(rows)] * 2)
+        size, outline = np.array([scene.size] * 2), np.array([body.outline] * 2)
+        ends = np.array([episode.start, episode.goal])
+        if ways_to_walls(outline, ends, size).min() < self.clearance:
             return False
-        if ways_to_boxes(outline, ends, room.boxes, room.count)[..., 0].min() < self.clearance:
+        if ways_to_boxes(outline, ends, boxes, count)[..., 0].min() < self.clearance:
             return False
-        start, goal = ends[:1], ends[1:]
-        _, way = next_stops(
-            start, goal, room.boxes, room.count, room.size, np.array([radius, radius])
-        )
+        _, way = next_stops(ends[:1], ends[1:], boxes, count, size, np.array([radius, radius]))
         return bool(np.isfinite(way[0, 0]))
+
+
+def _from(ends: Range, fractions: FloatArray) -> FloatArray:
+    """Numbers so far on the way from the low end to the high one."""
+    return ends[0] + (ends[1] - ends[0]) * fractions
 
 
 def _pose(place: FloatArray, angle: float) -> Pose:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray, finite_array
 from coopenv.errors import InvalidInput
 from coopenv.wrench import measures, shares
-from coopenv.wrench.answer import Answer
+from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.grasp import (
     checked_grips,
     require_wrench_per_grip,
@@ -101,6 +101,11 @@ class Decomposer:
     """
 
     __slots__ = ("_core_shape", "_solve", "grips", "level_parameters", "settings", "solver")
+
+    @property
+    def solve(self) -> Solve:
+        """What answers, without a check of shapes."""
+        return self._solve
 
     def __init__(self, grips: npt.ArrayLike, settings: Settings | None = None):
         settings = Settings() if settings is None else settings

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.wrench.conic import solver as conic
 
 WITHOUT_TORQUE = ("max_internal", "one_dimensional", "net_force")  # methods that split forces only
 COMPUTED = (
@@ -43,5 +42,7 @@ def rehearse(decomposer: Any) -> None:
         decomposition.energy_share(np.ones(size))
         decomposition.residuals()
     if decomposer.solver == "structured":  # asks it where its own answer is not good enough
+        from coopenv.wrench.conic import solver as conic
+
         one = grips.reshape(-1, *grips.shape[-2:])[0]
         conic.prepare(one, decomposer.settings)(fighting.reshape(-1, *fighting.shape[-2:])[0])

@@ -5,20 +5,19 @@ import pytest
 
 from coopenv import BLOCKS, Body, Transport
 from coopenv.observation import DEFAULT_BLOCKS
-from coopenv.observation.view import VIEW, VIEW_PARTS, agent_view, view_slices
+from coopenv.observation.view import VIEW, VIEW_PARTS
 from tests.helpers import TRIO
 
 
 @pytest.mark.parametrize("body", [Body(), TRIO])
 def test_blocks_lie_side_by_side_and_fill_the_row(body):
-    core = Transport(num_worlds=2, body=body)
-    core.reset(seed=0)
-    assert core.transition is not None
-    slices = view_slices(body.num_agents)
+    core = Transport(num_worlds=2, body=body, observe=VIEW_PARTS)
+    seen, _ = core.reset(seed=0)
+    slices = core.observation.blocks
     assert tuple(slices) == VIEW_PARTS
     ends = [0, *(part.stop for part in slices.values())]
     assert [part.start for part in slices.values()] == ends[:-1]
-    assert agent_view(core.transition).shape == (2, body.num_agents, ends[-1])
+    assert seen.shape == (2, body.num_agents, ends[-1])
 
 
 def test_every_block_without_a_reader_is_part_of_the_view():
@@ -27,12 +26,11 @@ def test_every_block_without_a_reader_is_part_of_the_view():
 
 
 def test_own_and_other_wrenches_stand_where_the_table_says():
-    core = Transport(num_worlds=1, body=TRIO)
+    core = Transport(num_worlds=1, body=TRIO, observe=VIEW_PARTS)
     core.reset(seed=0)
-    core.step(np.random.default_rng(0).uniform(-1, 1, (1, 3, 3)))
+    (seen,), *_ = core.step(np.random.default_rng(0).uniform(-1, 1, (1, 3, 3)))
     assert core.transition is not None
-    seen, torques = agent_view(core.transition)[0], core.transition.applied[0, :, 2]
-    slices = view_slices(3)
+    slices, torques = core.observation.blocks, core.transition.applied[0, :, 2]
     for i in range(3):
         own, others = seen[i, slices["own_wrench"]], seen[i, slices["partner_wrench"]]
         np.testing.assert_array_equal(

@@ -341,6 +341,20 @@ def test_a_lost_body_is_told_with_the_number_of_its_world(lost):
     assert pickle.loads(pickle.dumps(caught.value)).world == lost
 
 
+def test_a_lost_body_is_back_once_it_is_placed_as_in_a_new_world():
+    used, fresh = world(FREE), world(FREE)
+    used.twist[0] = np.nan
+    with pytest.raises(BodyLost):
+        used.step(np.zeros((1, 3)))
+    for worlds in (used, fresh):
+        worlds.place(np.array([0]), np.array([[0.5, 0.0, 0.2]]))
+    for mine, theirs in zip(
+        ride(used, knocks(3, 60, 1)), ride(fresh, knocks(3, 60, 1)), strict=True
+    ):
+        assert np.isfinite(mine).all()
+        np.testing.assert_array_equal(mine, theirs)
+
+
 def test_parting_an_overlap_gives_no_impulse_and_is_reported_as_a_shift():
     one = World([Body()], [Scene()], dt=0.05, substeps=2)
     start = 2.05  # [m]: the beam's end is 5 cm in the wall

@@ -15,6 +15,7 @@ from coopenv import (
     WalkerTurnTask,
 )
 from coopenv.conditions import Conditions
+from coopenv.geometry.frames import wrap_pose
 from coopenv.tasks import passage
 from coopenv.tasks.episodes import Episodes
 from coopenv.tasks.passage import heading, narrowest, seen_gap, way_through
@@ -239,3 +240,37 @@ def test_a_box_in_a_row_is_its_centre_size_and_angle():
     box = Box(center=(1, 2), size=(3, 4), angle=0.5)
     assert tuple(box.row) == (1, 2, 3, 4, 0.5)
     assert Scene(obstacles=(box,)).obstacles == (box,)
+
+
+class Asked(TransportTask):
+    """A transport task that is asked, as it has something to say in every step."""
+
+    __slots__ = ()
+
+    def due(self, plan, time):
+        return np.ones(len(time), dtype=np.bool_)
+
+
+def test_a_pose_task_that_is_not_asked_leads_to_the_same_bits():
+    count = 400
+    core = Transport(num_worlds=count, task=NEVER)
+    core.reset(seed=0)
+    generator = np.random.default_rng(1)
+    goal = wrap_pose(generator.uniform(-4, 4, (count, 3)))
+    asked, read = (Episodes(task, count, dt=0.05, horizon=3) for task in (Asked(), TransportTask()))
+    for episodes in (asked, read):
+        episodes.begin(np.arange(count))
+    ended = np.zeros(2, dtype=np.int64)
+    for scale in (0.2, 0.1, 0.05):
+        pose = goal + scale * generator.normal(size=(count, 3)) + (0.0, 0.0, 2 * np.pi)
+        twist = scale * generator.normal(size=(count, 3))
+        first, second = (e.arrive(core.conditions, pose, twist, goal) for e in (asked, read))
+        for name in ("pose", "twist", "goal", "distance", "time"):
+            np.testing.assert_array_equal(getattr(first[0], name), getattr(second[0], name))
+        for mine, theirs in zip(first[1:], second[1:], strict=True):
+            np.testing.assert_array_equal(mine, theirs)
+        ended += np.array([first[1].sum(), first[3].sum()])
+    first, second = (e.get_state(np.arange(count)) for e in (asked, read))
+    np.testing.assert_array_equal(first["steps"], second["steps"])
+    np.testing.assert_array_equal(first["ended"], second["ended"])
+    assert (ended > 50).all()  # by success and by time

@@ -184,3 +184,28 @@ def test_a_configuration_whose_task_is_replaced_looks_as_far_ahead_as_the_new_on
     assert after == config(task=task, observe=("goal", held("preview")))
     sizes = [Transport(config=each).reset(seed=0)[0].shape[-1] for each in (before, after)]
     assert sizes[1] == sizes[0] + 4
+
+
+@pytest.mark.parametrize(
+    ("task", "scene", "end", "left"),
+    [
+        (
+            TrackingTask(),
+            Scene(),
+            (1.2336612692145914, 0.665771634690034, 0.9944999254759884),
+            0.3197846543182863,
+        ),
+        (  # turns on the spot first, off a box
+            TrackingTask(reference=("rotate", "translate")),
+            Scene(obstacles=(Box(center=(1.0, 1.0), size=(0.5, 0.5)),)),
+            (0.722158300250265, 2.004848328087137, -0.659254221569941),
+            0.9349610941866503,
+        ),
+    ],
+)
+def test_a_reference_is_drawn_as_ever_from_its_seed(task, scene, end, left):
+    generator = np.random.default_rng(5)
+    episode = task.sample(generator, Body(), scene)
+    assert episode.start == pytest.approx((1.1589045986459432, 1.6961914725197662, -0.0962933396))
+    assert episode.plan[-3:] == pytest.approx(end, rel=1e-12)
+    assert generator.random() == left  # so many numbers were drawn

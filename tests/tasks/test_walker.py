@@ -254,3 +254,19 @@ def test_episodes_bring_their_obstacles_into_the_physics():
     for k in range(3):
         (box,) = core.scenes[k].obstacles
         np.testing.assert_allclose(core.conditions.room.boxes[k, 0, :2], box.center)
+
+
+def test_a_layout_is_drawn_as_ever_from_its_seed():
+    generator, room = np.random.default_rng(5), Scene(size=(10.0, 10.0))
+    episode = WalkerAvoidTask(obstacles=2).sample(generator, Body.walker(), room)
+    assert isinstance(episode, Episode)
+    assert episode.start == pytest.approx(
+        (-3.784021469467831, 4.1859842956999636, -0.6392212767108121), rel=1e-12
+    )
+    assert episode.plan[3:] == pytest.approx(
+        (-2.522296395072168, 2.8880861133945084, 0.4874858533874854, 0.34809180169123183,
+         1.4464842155961801, 4.011129117217138, 4.7675917995685975, 0.5172926837917455,
+         0.6146635167463523, 3.1389383275783183),
+        rel=1e-12,
+    )  # fmt: skip
+    assert generator.random() == 0.24483522451472206

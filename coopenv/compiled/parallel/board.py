@@ -13,7 +13,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 
-from coopenv.compiled.kinds import in_llvm
+from coopenv.compiled import instructions
 
 _WORD = 8  # [bytes]
 LINE = 16  # words: what one thread writes often lies in lines of its own
@@ -31,62 +31,32 @@ def new_board() -> np.ndarray:
     return np.zeros(_SIZE, dtype=np.int64)
 
 
-def _place(context, builder, board, offset):
+def _place(builder, board, offset):
     """Pointer to a word of a board at an address."""
-    del context
     at = builder.add(board, builder.mul(offset, ir.Constant(offset.type, _WORD)))
     return builder.inttoptr(at, ir.IntType(64).as_pointer())
 
 
-@in_llvm
-def read(typingctx, board, offset):
+@instructions.instruction(types.intp, types.intp, types.intp)
+def read(builder, board, offset):
     """The word at ``offset`` of the board at an address, as all threads see it."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        return builder.load_atomic(_place(context, builder, *arguments), "seq_cst", _WORD)
-
-    return types.intp(types.intp, types.intp), generate
+    return builder.load_atomic(_place(builder, board, offset), "seq_cst", _WORD)
 
 
-@in_llvm
-def write(typingctx, board, offset, value):
+@instructions.instruction(types.void, types.intp, types.intp, types.intp)
+def write(builder, board, offset, value):
     """Write a word, so that whoever sees it sees also what was written before."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        builder.store_atomic(
-            arguments[2], _place(context, builder, *arguments[:2]), "seq_cst", _WORD
-        )
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp, types.intp), generate
+    builder.store_atomic(value, _place(builder, board, offset), "seq_cst", _WORD)
 
 
-@in_llvm
-def add(typingctx, board, offset, value):
+@instructions.instruction(types.intp, types.intp, types.intp, types.intp)
+def add(builder, board, offset, value):
     """Add to a word; what it was before."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        place = _place(context, builder, *arguments[:2])
-        return builder.atomic_rmw("add", place, arguments[2], "seq_cst")
-
-    return types.intp(types.intp, types.intp, types.intp), generate
+    return builder.atomic_rmw("add", _place(builder, board, offset), value, "seq_cst")
 
 
-@in_llvm
-def exchanged(typingctx, board, offset, expected, value):
+@instructions.instruction(types.boolean, types.intp, types.intp, types.intp, types.intp)
+def exchanged(builder, board, offset, expected, value):
     """Whether a word was as ``expected``, and has become ``value``."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        place = _place(context, builder, *arguments[:2])
-        found = builder.cmpxchg(place, *arguments[2:], "seq_cst", "seq_cst")
-        return builder.extract_value(found, 1)
-
-    return types.boolean(types.intp, types.intp, types.intp, types.intp), generate
+    place = _place(builder, board, offset)
+    return builder.extract_value(builder.cmpxchg(place, expected, value, "seq_cst", "seq_cst"), 1)

@@ -175,8 +175,10 @@ class shared:  # noqa: N801 - a context manager, in a step of some microseconds
 
 def sharing(count: int) -> tuple[int, int]:
     """Board and number of parts for `spread`, where ``count`` parts are as many as make sense."""
+    if count < 2:
+        return 0, 1
     threads = _now.threads
-    if threads == 1 or count < 2:
+    if threads == 1:
         return 0, 1
     found = crew()
     return found.board, min(count, MOST_PARTS if threads > found.most else threads)
@@ -184,7 +186,7 @@ def sharing(count: int) -> tuple[int, int]:
 
 def sharing_rows(count: int) -> tuple[int, int]:
     """`sharing` for kernels that do little with each of ``count`` rows."""
-    return sharing(count // ROWS)
+    return sharing(count // ROWS) if count >= 2 * ROWS else (0, 1)
 
 
 def cores() -> int:

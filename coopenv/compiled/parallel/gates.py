@@ -10,7 +10,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 
-from coopenv.compiled.kinds import in_llvm
+from coopenv.compiled import instructions
 
 ACQUIRE, ACQUIRE_TIMED, RELEASE = range(3)  # entries of `functions`
 
@@ -36,47 +36,21 @@ def new_gate() -> int:
     return gate
 
 
-@in_llvm
-def pass_through(typingctx, acquire, gate):
+@instructions.instruction(types.void, types.intp, types.intp)
+def pass_through(builder, acquire, gate):
     """Sleep until a gate is opened; it is closed again behind who passes."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        kind = ir.FunctionType(ir.IntType(32), (ir.IntType(64), ir.IntType(32)))
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        builder.call(function, (arguments[1], ir.Constant(ir.IntType(32), 1)))
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp), generate
+    flag = ir.IntType(32)
+    instructions.call(builder, flag, acquire, gate, ir.Constant(flag, 1))
 
 
-@in_llvm
-def open_gate(typingctx, release, gate):
+@instructions.instruction(types.void, types.intp, types.intp)
+def open_gate(builder, release, gate):
     """Let who sleeps at a closed gate pass, or the next who comes."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        kind = ir.FunctionType(ir.VoidType(), (ir.IntType(64),))
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        builder.call(function, (arguments[1],))
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp), generate
+    instructions.call(builder, ir.VoidType(), release, gate)
 
 
-@in_llvm
-def nap(typingctx, acquire_timed, gate, duration):
+@instructions.instruction(types.void, types.intp, types.intp, types.intp)
+def nap(builder, acquire_timed, gate, duration):
     """Sleep ``duration`` [µs] at a gate that nobody opens."""
-    del typingctx
-
-    def generate(context, builder, signature, arguments):
-        del signature
-        word, flag = ir.IntType(64), ir.IntType(32)
-        kind = ir.FunctionType(flag, (word, word, flag))
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        builder.call(function, (arguments[1], arguments[2], ir.Constant(flag, 0)))
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp, types.intp), generate
+    flag = ir.IntType(32)
+    instructions.call(builder, flag, acquire_timed, gate, duration, ir.Constant(flag, 0))

@@ -6,6 +6,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 
+from coopenv.compiled import instructions
 from coopenv.compiled.kinds import compiled, in_llvm, inlined
 from coopenv.compiled.parallel.board import (
     ARGUMENTS,
@@ -46,13 +47,13 @@ def _as_task(typingctx, kernel, arguments):
         del signature
         context.active_code_library.add_linking_library(compiled_kernel.library)
         kept = cgutils.alloca_once_value(builder, values[1])
-        bytes_at, word = ir.IntType(8).as_pointer(), ir.IntType(64)
-        kind = ir.FunctionType(word, (bytes_at, word, word))
+        word = ir.IntType(64)
+        kind = ir.FunctionType(word, (word, word, word))
         name = builder.module.get_unique_name(f"{builder.function.name}.task")
         task = ir.Function(builder.module, kind, name=name)
         task.linkage = "internal"
         inside = ir.IRBuilder(task.append_basic_block("entry"))
-        loaded = inside.load(inside.bitcast(task.args[0], kept.type))
+        loaded = inside.load(inside.inttoptr(task.args[0], kept.type))
         lent = _lent(context, inside, arguments, loaded)
         given = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, lent)]
         status, _ = context.call_internal_no_propagate(inside, compiled_kernel.fndesc, inner, given)
@@ -81,19 +82,10 @@ def _lent(context, builder, kind, value):
     return array._getvalue()
 
 
-@in_llvm
-def _call(typingctx, task, arguments, start, stop):
+@instructions.instruction(types.intp, types.intp, types.intp, types.intp, types.intp)
+def _call(builder, task, arguments, start, stop):
     """Call what `_as_task` made, for rows from ``start`` to before ``stop``; 1 if it failed."""
-    del typingctx
-
-    def generate(context, builder, signature, values):
-        del signature
-        bytes_at, word = ir.IntType(8).as_pointer(), ir.IntType(64)
-        kind = ir.FunctionType(word, (bytes_at, word, word))
-        function = builder.inttoptr(values[0], kind.as_pointer())
-        return builder.call(function, (builder.inttoptr(values[1], bytes_at), *values[2:]))
-
-    return types.intp(types.intp, types.intp, types.intp, types.intp), generate
+    return instructions.call(builder, ir.IntType(64), task, arguments, start, stop)
 
 
 @compiled

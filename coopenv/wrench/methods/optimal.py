@@ -10,11 +10,9 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, in_rows
 from coopenv.wrench.answer import Answer, Prepare, Prepared, Solve
-from coopenv.wrench.conic import solver as conic
 from coopenv.wrench.methods import close_grips
 from coopenv.wrench.pair import solver as pair
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.structured import solver as structured
 
 
 def _structured(grips: FloatArray, settings: Settings) -> Solve:
@@ -22,6 +20,9 @@ def _structured(grips: FloatArray, settings: Settings) -> Solve:
 
     Of two planar effectors whose grips nearly coincide that is `pair`, otherwise `conic`.
     """
+    from coopenv.wrench.conic import solver as conic  # here, as many programs need neither
+    from coopenv.wrench.structured import solver as structured
+
     close = close_grips.nearly_coincide(grips) if pair.applies(grips) else np.zeros((), np.bool_)
     if close.all():
         return partial(_taken_over, pair.prepare(grips, settings))
@@ -57,6 +58,8 @@ def _structured_or_pair(
 
 def _conic(grips: FloatArray, settings: Settings) -> Solve:
     """Prepare `conic`."""
+    from coopenv.wrench.conic import solver as conic
+
     return close_grips.with_rounding_counted(conic.prepare(grips, settings), grips, settings)
 
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.compiled import TINY, compiled, gufunc
+from coopenv.compiled import TINY, compiled, gufunc, inlined
 from coopenv.compiled.parallel import sharing_rows, spread
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.measures import INCLUDE_INDUCED, TORQUE_WEIGHT, cost_weights
@@ -48,6 +48,37 @@ COINCIDENT = 1e-15  # distance from grip to grip that does: grips are known to s
 VANISHED = 1e-15  # a force this small, relative to the largest wrench component, has no direction
 
 
+class OnAxis:
+    """The solver for any number of applied wrenches at grips on a line; a `Solve`.
+
+    Attributes
+    ----------
+    axes
+        ``(1 or sample, 4)``: what `frame` says of the grips, where they have at most one batch
+        axis; kernels that `split` have it.
+    weights
+        What they are told of the cost, as `cost_weights` has it.
+    """
+
+    __slots__ = ("_axis", "axes", "weights")
+
+    def __init__(self, grips: FloatArray, settings: Settings):
+        self._axis = frame(grips)
+        self.axes = self._axis.reshape(-1, 4)
+        self.weights = cost_weights(settings.torque_weight, settings.include_induced)
+
+    def __call__(self, applied: FloatArray) -> Answer:
+        """The manipulation wrenches."""
+        axis = self._axis
+        is_row_by_row = applied.ndim == 3 and axis.shape[:-1] in ((), applied.shape[:1])
+        board, parts = sharing_rows(len(applied) if is_row_by_row else 0)
+        if parts == 1:
+            return Answer(decompose_on_axis(applied, axis, self.weights))
+        manipulation = np.empty_like(applied)
+        _decompose_all(board, parts, applied, self.axes, self.weights, manipulation)
+        return Answer(manipulation)
+
+
 def prepare(grips: FloatArray, settings: Settings) -> Solve:
     """Return the solver for any number of applied wrenches at these grips.
 
@@ -58,19 +89,7 @@ def prepare(grips: FloatArray, settings: Settings) -> Solve:
     settings
         Torque weight and whether induced torque is costed.
     """
-    axis = frame(grips)
-    weights = cost_weights(settings.torque_weight, settings.include_induced)
-
-    def solve(applied: FloatArray) -> Answer:
-        is_row_by_row = applied.ndim == 3 and axis.shape[:-1] in ((), applied.shape[:1])
-        board, parts = sharing_rows(len(applied) if is_row_by_row else 0)
-        if parts == 1:
-            return Answer(decompose_on_axis(applied, axis, weights))
-        axes, manipulation = np.broadcast_to(axis, (len(applied), 4)), np.empty_like(applied)
-        _decompose_all(board, parts, applied, axes, weights, manipulation)
-        return Answer(manipulation)
-
-    return solve
+    return OnAxis(grips, settings)
 
 
 def applies(grips: FloatArray) -> BoolArray:
@@ -268,14 +287,20 @@ def decompose_on_axis(applied, axis, weights, manipulation):
     _decompose(applied, axis, weights, manipulation)
 
 
+@inlined
+def split(applied, k, axes, weights, manipulation):
+    """`decompose_on_axis` of row ``k`` of a batch along one axis; ``axes`` as `OnAxis` has them."""
+    _decompose(applied[k], axes[k if len(axes) > 1 else 0], weights, manipulation[k])
+
+
 @compiled
-def _decompose_part(start, stop, applied, axis, weights, manipulation):
+def _decompose_part(start, stop, applied, axes, weights, manipulation):
     for k in range(start, stop):
-        _decompose(applied[k], axis[k], weights, manipulation[k])
+        split(applied, k, axes, weights, manipulation)
 
 
 @compiled
-def _decompose_all(board, parts, applied, axis, weights, manipulation):
+def _decompose_all(board, parts, applied, axes, weights, manipulation):
     """`decompose_on_axis` of a batch along one axis, `spread`."""
-    arguments = (applied, axis, weights, manipulation)
+    arguments = (applied, axes, weights, manipulation)
     spread(board, parts, len(applied), _decompose_part, arguments)
