@@ -11,6 +11,7 @@ from typing import Protocol
 from coopenv.cli import terminal, version
 from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
+from coopenv.cli.experiment import Report, RunExperiment, Sweep
 from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
 from coopenv.cli.study import Study
 from coopenv.cli.train import Train
@@ -35,6 +36,9 @@ COMMANDS: dict[str, type[Command]] = {
     "evaluate": Evaluate,
     "decompose": Decompose,
     "study": Study,
+    "experiment": RunExperiment,
+    "sweep": Sweep,
+    "report": Report,
     "warmup": Warmup,
 }
 

@@ -1,0 +1,279 @@
+"""Search over an algorithm's settings, of a given number of trials, with Optuna.
+
+A trial is a grid of its own: the settings drawn, with every problem and way of the experiment, on
+seeds and episodes that the experiment itself does not use.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coopenv.arrays import number, whole
+from coopenv.errors import InvalidInput, MissingPackage, UnknownName
+from coopenv.files import written
+
+from ..settings import TrainConfig
+from .cell import FORMAT, RESULT, Cell, read_json
+from .grid import MOST_SEED, Experiment
+from .levels import LEARNER, TRAINING, read_level
+from .measures import MEASURES, SUCCESS
+
+FIRST_SEED = MOST_SEED + 1  # of the trainings of a search
+EVALUATION = 1  # number of its evaluations; those of the experiment have 0
+FOLDER, TRIAL = "search", "trial.json"
+OPTIONS = ("seeds", "objective", "space")
+RANGE = ("low", "high", "log")
+UNSEARCHED = ("hidden",)  # lists: to be chosen from, but in no range
+
+Run = Callable[[list[Cell], Path], Mapping[str, str]]
+"""Runs cells in a folder; why some failed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """What is searched, and by what it is judged.
+
+    Parameters
+    ----------
+    space
+        Name of a setting -> ``{low, high}``, with ``log = true`` over orders of magnitude, or
+        ``{choices = [...]}``.
+    seeds
+        Trainings of every setting in a trial.
+    objective
+        The measure of `MEASURES` whose mean over a trial's cells is to be best.
+    """
+
+    space: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    seeds: int = 2
+    objective: str = SUCCESS
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any], experiment: Experiment) -> "Search":
+        """What stands under ``[search]``, checked; errors say the line.
+
+        Raises
+        ------
+        InvalidInput, UnknownName
+            If something of it breaks its rule.
+        """
+        at = experiment.source.at
+        for name in given:
+            with at(("search", name)):
+                if name not in OPTIONS:
+                    raise UnknownName("option of search", name, OPTIONS)
+        with at(("search", "seeds")):
+            whole(given.get("seeds", 2), "seeds", at_least=1, at_most=1000)
+        with at(("search", "objective")):
+            if given.get("objective", SUCCESS) not in MEASURES:
+                raise UnknownName("objective", given["objective"], MEASURES)
+        space = given.get("space", {})
+        with at(("search", "space")):
+            if not isinstance(space, Mapping) or not space:
+                raise InvalidInput(
+                    f"space must be a table of settings, got {space!r}; write [search.space]"
+                )
+        for name, entry in space.items():
+            with at(("search", "space", name)):
+                _check(name, entry)
+        return cls(**given)
+
+    def run(
+        self, experiment: Experiment, trials: int, run: Run
+    ) -> tuple[Experiment, dict[str, dict[str, Any]]]:
+        """The experiment with the best settings found for each algorithm that learns, and these.
+
+        A trial that is finished is not repeated; what is drawn next depends on those before it
+        alone, so that a search that was killed comes to the same end.
+
+        Parameters
+        ----------
+        experiment
+            Whose folder the trials go into.
+        trials
+            For each algorithm.
+        run
+            Runs the cells of a trial in its folder.
+
+        Raises
+        ------
+        InvalidInput
+            If no trial of an algorithm came to an end.
+        MissingPackage
+            If Optuna is not installed.
+        """
+        require_optuna()
+        whole(trials, "tune", at_least=1)
+        tuned, found = experiment, {}
+        for label in self.algorithms(experiment):
+            name = label or LEARNER
+            best = self._best(experiment, label, experiment.out / FOLDER / name, trials, run)
+            tuned, found[name] = tuned.over(label, best), best
+        return tuned, found
+
+    def algorithms(self, experiment: Experiment) -> list[str | None]:
+        """Labels of the algorithms that learn; ``None`` for the one of a grid without that axis."""
+        levels = experiment.levels().get("algorithm")
+        if levels is None:
+            return [None]
+        return [
+            level.label
+            for level in levels
+            if read_level("algorithm", level.value).algorithm == LEARNER
+        ]
+
+    def cells(
+        self, experiment: Experiment, label: str | None, settings: Mapping[str, Any]
+    ) -> list[Cell]:
+        """The cells of a trial: those of one algorithm, on seeds and episodes of the search."""
+        own = replace(experiment.over(label, settings), seeds=(0,), wandb=None)
+        return [
+            replace(
+                cell,
+                seed=FIRST_SEED + number,
+                training=replace(cell.training, seed=FIRST_SEED + number),
+                evaluation=EVALUATION,
+            )
+            for cell in own.cells()
+            if label is None or cell.levels["algorithm"] == label
+            for number in range(self.seeds)
+        ]
+
+    def _best(
+        self, experiment: Experiment, label: str | None, folder: Path, trials: int, run: Run
+    ) -> dict[str, Any]:
+        import optuna
+
+        optuna.logging.set_verbosity(optuna.logging.WARNING)
+        higher = MEASURES[self.objective].higher
+        study = optuna.create_study(direction="maximize" if higher else "minimize")
+        for number in range(trials):
+            place = folder / f"trial_{number:03d}"
+            study.sampler = optuna.samplers.TPESampler(seed=number)
+            trial = study.ask(self._distributions())
+            settings = self._settings(trial.params)
+            value = self._value(experiment, label, settings, place, run)
+            state = optuna.trial.TrialState
+            study.tell(trial, value, None if value is not None else state.FAIL)
+        if not any(trial.value is not None for trial in study.trials):
+            raise InvalidInput(
+                f"search must have a trial that comes to an end, got none of {trials}; look at "
+                f"failure.txt below {folder}, and narrow the space"
+            )
+        return self._settings(study.best_trial.params)
+
+    def _value(
+        self,
+        experiment: Experiment,
+        label: str | None,
+        settings: Mapping[str, Any],
+        place: Path,
+        run: Run,
+    ) -> float | None:
+        """Mean objective of a trial; ``None`` if one of its cells failed or has none."""
+        path = place / TRIAL
+        if path.exists():
+            found = read_json(path)
+            if found["settings"] == json.loads(json.dumps(settings)):
+                return found["value"]
+            raise InvalidInput(
+                f"out must hold no other search, got {path}, which is of other settings; choose "
+                "another out (--out), or move the folder away"
+            )
+        try:
+            cells = self.cells(experiment, label, settings)
+        except InvalidInput as error:  # settings that do not go together
+            value, why = None, str(error)
+        else:
+            failures = run(cells, place)
+            seen = [] if failures else [_seen(place / cell.folder, self.objective) for cell in cells]
+            value = float(np.mean(seen)) if seen and all(map(isfinite, seen)) else None
+            why = "; ".join(failures.values())
+        content = {"format": FORMAT, "settings": settings, "value": value, "failed": why}
+        with written(path) as part:
+            part.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        return value
+
+    def _distributions(self) -> dict[str, Any]:
+        """Optuna's, one a setting; choices as JSON, as it takes no lists."""
+        from optuna import distributions
+
+        found: dict[str, Any] = {}
+        for name, entry in self.space.items():
+            if "choices" in entry:
+                choices = [json.dumps(choice) for choice in entry["choices"]]
+                found[name] = distributions.CategoricalDistribution(choices)
+            else:
+                kind = (
+                    distributions.IntDistribution
+                    if _is_whole(name)
+                    else distributions.FloatDistribution
+                )
+                found[name] = kind(entry["low"], entry["high"], log=entry.get("log", False))
+        return found
+
+    def _settings(self, drawn: Mapping[str, Any]) -> dict[str, Any]:
+        return {
+            name: json.loads(value) if "choices" in self.space[name] else value
+            for name, value in drawn.items()
+        }
+
+
+def require_optuna() -> None:
+    """Raise `MissingPackage` unless Optuna is installed."""
+    try:
+        import optuna  # noqa: F401
+    except ImportError as error:
+        raise MissingPackage("a search over settings", "optuna", ["optuna>=4"]) from error
+
+
+def _check(name: str, entry: Any) -> None:
+    """Raise unless a setting can be searched so, and the trainer takes the ends of what it says."""
+    if name not in TRAINING:
+        raise UnknownName("setting to be searched", name, TRAINING)
+    if not isinstance(entry, Mapping) or not ("choices" in entry or {"low", "high"} <= set(entry)):
+        raise InvalidInput(
+            f"space of {name} must be low and high, or choices, got {entry!r}; write "
+            "{ low = 1e-4, high = 1e-2, log = true }"
+        )
+    known = ("choices",) if "choices" in entry else RANGE
+    for key in entry:
+        if key not in known:
+            raise UnknownName(f"entry of the space of {name}", key, known)
+    if "choices" in entry:
+        values = entry["choices"]
+        if not isinstance(values, list) or not values:
+            raise InvalidInput(f"choices of {name} must be a list of them, got {values!r}")
+    else:
+        values = [_end(name, entry, key) for key in ("low", "high")]
+        if not values[0] < values[1]:
+            raise InvalidInput(f"low of {name} must be below high, got {values}; exchange them")
+        if not isinstance(entry.get("log", False), bool):
+            raise InvalidInput(f"log of {name} must be true or false, got {entry['log']!r}")
+        if entry.get("log", False) and values[0] <= 0:
+            raise InvalidInput(f"low of {name} must be positive with log, got {values[0]}; raise it")
+    for value in values:
+        given = tuple(value) if isinstance(value, list) else value
+        TrainConfig(**{"steps": 10**9, name: given})
+
+
+def _end(name: str, entry: Mapping[str, Any], key: str) -> float:
+    if name in UNSEARCHED:
+        raise InvalidInput(f"space of {name} must be choices, got a range; list some")
+    if _is_whole(name):
+        return whole(entry[key], f"{key} of {name}", at_least=0)
+    return number(entry[key], f"{key} of {name}")
+
+
+def _is_whole(name: str) -> bool:
+    return isinstance(getattr(TrainConfig(), name), int)
+
+
+def _seen(folder: Path, objective: str) -> float:
+    value = read_json(folder / RESULT)["evaluation"][objective]
+    return float("nan") if value is None else float(value)
