@@ -9,7 +9,6 @@ from typing import Any
 
 from coopenv.arrays import whole
 from coopenv.config import TransportConfig
-from coopenv.envs.registry import require_trusted
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 
 from ..provenance import Provenance
@@ -270,7 +269,12 @@ def _built(options: Options, *, complete: bool = True) -> tuple[TrainConfig, Tra
 
     ``complete``: whether all levels are in it, so that whoever acts by a script has to find one.
     """
-    require_trusted(str(options.environment.get("env", "")), False, "an experiment")
+    env = options.environment.get("env", "")
+    if ":" in str(env):
+        raise InvalidInput(
+            f"env must be an id without a module in an experiment, got {env!r}; a file "
+            "imports nothing: train it with coopenv train --env"
+        )
     training = TrainConfig(environment=options.choice(), threads=1, **options.training)
     environment = training.environment.config()
     if options.terms:

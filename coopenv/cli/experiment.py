@@ -170,6 +170,7 @@ def _print_plan(experiment: "Experiment", cells: int, console: "Console") -> Non
         f"episodes each, in {experiment.out}; nothing was run",
         markup=False,
         highlight=False,
+        soft_wrap=True,
     )
 
 
