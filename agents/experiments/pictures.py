@@ -57,8 +57,8 @@ def draw_intervals(found: Found, path: Path) -> None:
         for row, title in enumerate(titles):
             estimate = found[title][measure.name]
             if estimate is not None:
-                axes.plot([estimate.low, estimate.high], [row, row], color="C0", linewidth=5, alpha=0.35)
-                axes.plot([estimate.value], [row], "|", color="C0", markersize=11, markeredgewidth=2)
+                axes.hlines(row, estimate.low, estimate.high, color="C0", linewidth=5, alpha=0.35)
+                axes.plot([estimate.value], [row], "|C0", markersize=11, markeredgewidth=2)
         axes.set_title(measure.title, fontsize="medium")
         axes.grid(alpha=0.3)
         axes.set_ylim(len(titles) - 0.5, -0.5)
@@ -126,7 +126,7 @@ def draw_curves(found: Mapping[str, Sequence[Sequence[Sequence[Row]]]], path: Pa
 
 
 def draw_pareto(found: Found, front: Sequence[str], path: Path) -> None:
-    """Time against disagreement with intervals; the front is joined, and numbered in the legend.
+    """Time against disagreement with intervals; what lies on the front is joined.
 
     Parameters
     ----------

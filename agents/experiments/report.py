@@ -76,6 +76,20 @@ def write_report(results: Results, out: Path) -> list[str]:
     return [f"{FOLDER}/{name}" for name in (PAGE, *drawn, table)]
 
 
+def summary(results: Results) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of a table for a terminal: a few measures of each setting."""
+    head = ["setting", "runs", *(MEASURES[name].title for name in COMPARED)]
+    rows = [
+        [
+            results.title(setting),
+            str(len(runs)),
+            *(_cell(_estimate(results, runs, name), results, runs, name) for name in COMPARED),
+        ]
+        for setting, runs in results.by_setting().items()
+    ]
+    return head, rows
+
+
 def _estimate(results: Results, runs: Sequence[Run], measure: str) -> Estimate | None:
     scores = results.scores(runs, measure)
     return None if scores is None else Estimate.of(interquartile_mean, scores)
@@ -251,7 +265,7 @@ def _draw(
     curves = {
         titles[setting]: [[run.curves for run in each] for each in results.by_problem(runs).values()]
         for setting, runs in groups.items()
-        if any(run.curves for run in runs)
+        if any(len(row) > 1 for run in runs for row in run.curves)  # an episode ended
     }
     named = {titles[setting]: found for setting, found in estimates.items()}
     draws: dict[str, Callable[[Path], None]] = {

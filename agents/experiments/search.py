@@ -5,7 +5,7 @@ seeds and episodes that the experiment itself does not use.
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from pathlib import Path
@@ -26,7 +26,7 @@ from .measures import MEASURES, SUCCESS
 FIRST_SEED = MOST_SEED + 1  # of the trainings of a search
 EVALUATION = 1  # number of its evaluations; those of the experiment have 0
 FOLDER, TRIAL = "search", "trial.json"
-OPTIONS = ("seeds", "objective", "space")
+OPTIONS = ("seeds", "objective", "only", "space")
 RANGE = ("low", "high", "log")
 UNSEARCHED = ("hidden",)  # lists: to be chosen from, but in no range
 
@@ -47,11 +47,14 @@ class Search:
         Trainings of every setting in a trial.
     objective
         The measure of `MEASURES` whose mean over a trial's cells is to be best.
+    only
+        Axis -> labels of the levels that trials have; of other axes, and without it, all.
     """
 
     space: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     seeds: int = 2
     objective: str = SUCCESS
+    only: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @classmethod
     def read(cls, given: Mapping[str, Any], experiment: Experiment) -> "Search":
@@ -72,6 +75,7 @@ class Search:
         with at(("search", "objective")):
             if given.get("objective", SUCCESS) not in MEASURES:
                 raise UnknownName("objective", given["objective"], MEASURES)
+        _check_only(given.get("only", {}), experiment)
         space = given.get("space", {})
         with at(("search", "space")):
             if not isinstance(space, Mapping) or not space:
@@ -141,6 +145,7 @@ class Search:
             )
             for cell in own.cells()
             if label is None or cell.levels["algorithm"] == label
+            if all(cell.levels[axis] in labels for axis, labels in self.only.items())
             for number in range(self.seeds)
         ]
 
@@ -230,6 +235,23 @@ def require_optuna() -> None:
         import optuna  # noqa: F401
     except ImportError as error:
         raise MissingPackage("a search over settings", "optuna", ["optuna>=4"]) from error
+
+
+def _check_only(given: Any, experiment: Experiment) -> None:
+    """Raise unless it names levels of the grid, on other axes than that of algorithms."""
+    with experiment.source.at(("search", "only")):
+        if not isinstance(given, Mapping):
+            raise InvalidInput(f"only must be a table of axes, got {given!r}; write one")
+    axes = {axis: v for axis, v in experiment.levels().items() if axis != "algorithm"}
+    for axis, labels in given.items():
+        with experiment.source.at(("search", "only", axis)):
+            if axis not in axes:
+                raise UnknownName("axis of only", axis, axes)
+            if not isinstance(labels, list) or not labels:
+                raise InvalidInput(f"only must list labels of {axis}, got {labels!r}; list some")
+            for label in labels:
+                if label not in (known := [level.label for level in axes[axis]]):
+                    raise UnknownName(f"level of {axis} in only", label, known)
 
 
 def _check(name: str, entry: Any) -> None:

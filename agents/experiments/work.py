@@ -133,8 +133,11 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def _end_with_parent() -> None:
-    """Wait for the end of standard input; then interrupt the main thread, and at last exit."""
-    while sys.stdin.buffer.read(1):
+    """Wait for the end of standard input; then interrupt the main thread, and at last exit.
+
+    It is read past Python's buffer, whose lock this thread would still have at the end.
+    """
+    while os.read(sys.stdin.fileno(), 1):
         pass
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(LAST)

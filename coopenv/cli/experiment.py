@@ -12,7 +12,7 @@ from coopenv.errors import InvalidInput
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from coopenv.agents.experiments import Experiment, Outcome, Search
+    from coopenv.agents.experiments import Experiment, Outcome, Results, Search
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +116,7 @@ class Report:
             )
         files = write_report(results, self.folder)
         console = Console()
-        _print_table(self.folder, console)
+        _print_table(results, console)
         _print_files(self.folder, files, console)
 
 
@@ -141,7 +141,7 @@ def _conduct(
             experiment, search=search, tune=tune, workers=command.workers, show=show
         )
     if outcome.files:
-        _print_table(experiment.out, console)
+        _print_table(outcome.results, console)
         _print_files(experiment.out, outcome.files, console)
     _raise_failures(outcome, experiment.out)
 
@@ -174,16 +174,21 @@ def _print_plan(experiment: "Experiment", cells: int, console: "Console") -> Non
     )
 
 
-def _print_table(out: Path, console: "Console") -> None:
-    """The table of settings of a report's page."""
-    from rich.markdown import Markdown
+def _print_table(results: "Results", console: "Console") -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
 
-    from coopenv.agents.experiments.report import FOLDER, PAGE
+    from coopenv.agents.experiments.report import summary
 
-    page = (out / FOLDER / PAGE).read_text(encoding="utf-8")
-    part = page.partition("## Settings")[2].partition("\n## ")[0]
-    table = [line for line in part.splitlines() if line.startswith("|")]
-    console.print(Markdown("\n".join(table)))
+    head, rows = summary(results)
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for name in head:
+        table.add_column(Text(name), overflow="fold")
+    for row in rows:
+        table.add_row(*map(Text, row))
+    console.print(Text(f"{results.name}: interquartile mean [95 % interval]", "table.title"))
+    console.print(table)
 
 
 def _print_files(out: Path, files: list[str], console: "Console") -> None:
