@@ -3,8 +3,7 @@
 from .conduct import Outcome, conduct
 from .file import load
 from .grid import Experiment
-from .report import write_report
-from .results import Results
+from .report import Results, write_report
 from .search import Search
 from .sweep import sweep
 

@@ -9,8 +9,7 @@ from coopenv.files import locked, require_folder
 
 from .cell import Cell
 from .grid import Experiment
-from .report import write_report
-from .results import Results, save
+from .report import Results, save, write_report
 from .run import Launch, Show, run_cells
 from .search import Search
 

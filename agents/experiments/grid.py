@@ -144,11 +144,7 @@ class Experiment:
             )
         if not settings:
             raise InvalidInput("grid must have a cell, got all of them excluded; drop an exclude")
-        return [
-            cell
-            for setting in settings
-            for cell in self._cells_of(setting, common, options)
-        ]
+        return [cell for setting in settings for cell in self._cells_of(setting, common, options)]
 
     def over(self, algorithm: str | None, settings: Mapping[str, Any]) -> "Experiment":
         """The same with other settings of a level of the axis of algorithms, or of all cells."""

@@ -59,7 +59,7 @@ class Options:
 
     def choice(self) -> EnvironmentChoice:
         """The environment, but for terms of the reward."""
-        values = {
+        values: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value
             for name, value in self.environment.items()
         }

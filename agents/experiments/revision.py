@@ -10,7 +10,7 @@ PATIENCE = 10  # [s] for git
 
 @cache
 def revision() -> str | None:
-    """``COMMIT``, or ``COMMIT-dirty``; ``None`` where the code is no checkout or there is no git."""
+    """``COMMIT``, or ``COMMIT-dirty``; ``None`` without a checkout or without git."""
     if not (HOME / "pyproject.toml").is_file():  # somebody else's repository may lie above
         return None
     command = ["git", "-C", str(HOME), "describe", "--always", "--dirty", "--abbrev=40"]

@@ -13,22 +13,20 @@ from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import number, whole
-from coopenv.errors import InvalidInput, MissingPackage, UnknownName
+from coopenv.arrays import whole
+from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.files import written
 
-from ..settings import TrainConfig
 from .cell import FORMAT, RESULT, Cell, read_json
 from .grid import MOST_SEED, Experiment
-from .levels import LEARNER, TRAINING, read_level
-from .measures import MEASURES, SUCCESS
+from .levels import LEARNER, read_level
+from .report.measures import MEASURES, SUCCESS
+from .space import Space, check_entry, distributions_of, settings_of
 
 FIRST_SEED = MOST_SEED + 1  # of the trainings of a search
 EVALUATION = 1  # number of its evaluations; those of the experiment have 0
 FOLDER, TRIAL = "search", "trial.json"
 OPTIONS = ("seeds", "objective", "only", "space")
-RANGE = ("low", "high", "log")
-UNSEARCHED = ("hidden",)  # lists: to be chosen from, but in no range
 
 Run = Callable[[list[Cell], Path], Mapping[str, str]]
 """Runs cells in a folder; why some failed."""
@@ -51,7 +49,7 @@ class Search:
         Axis -> labels of the levels that trials have; of other axes, and without it, all.
     """
 
-    space: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    space: Space = field(default_factory=dict)
     seeds: int = 2
     objective: str = SUCCESS
     only: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -84,7 +82,7 @@ class Search:
                 )
         for name, entry in space.items():
             with at(("search", "space", name)):
-                _check(name, entry)
+                check_entry(name, entry)
         return cls(**given)
 
     def run(
@@ -108,7 +106,7 @@ class Search:
         ------
         InvalidInput
             If no trial of an algorithm came to an end.
-        MissingPackage
+        MissingExtra
             If Optuna is not installed.
         """
         require_optuna()
@@ -157,11 +155,11 @@ class Search:
         optuna.logging.set_verbosity(optuna.logging.WARNING)
         higher = MEASURES[self.objective].higher
         study = optuna.create_study(direction="maximize" if higher else "minimize")
-        for number in range(trials):
-            place = folder / f"trial_{number:03d}"
-            study.sampler = optuna.samplers.TPESampler(seed=number)
-            trial = study.ask(self._distributions())
-            settings = self._settings(trial.params)
+        for trial_number in range(trials):
+            place = folder / f"trial_{trial_number:03d}"
+            study.sampler = optuna.samplers.TPESampler(seed=trial_number)
+            trial = study.ask(distributions_of(self.space))
+            settings = settings_of(self.space, trial.params)
             value = self._value(experiment, label, settings, place, run)
             state = optuna.trial.TrialState
             study.tell(trial, value, None if value is not None else state.FAIL)
@@ -170,7 +168,7 @@ class Search:
                 f"search must have a trial that comes to an end, got none of {trials}; look at "
                 f"failure.txt below {folder}, and narrow the space"
             )
-        return self._settings(study.best_trial.params)
+        return settings_of(self.space, study.best_trial.params)
 
     def _value(
         self,
@@ -196,7 +194,9 @@ class Search:
             value, why = None, str(error)
         else:
             failures = run(cells, place)
-            seen = [] if failures else [_seen(place / cell.folder, self.objective) for cell in cells]
+            seen = (
+                [] if failures else [_seen(place / cell.folder, self.objective) for cell in cells]
+            )
             value = float(np.mean(seen)) if seen and all(map(isfinite, seen)) else None
             why = "; ".join(failures.values())
         content = {"format": FORMAT, "settings": settings, "value": value, "failed": why}
@@ -204,37 +204,13 @@ class Search:
             part.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
         return value
 
-    def _distributions(self) -> dict[str, Any]:
-        """Optuna's, one a setting; choices as JSON, as it takes no lists."""
-        from optuna import distributions
-
-        found: dict[str, Any] = {}
-        for name, entry in self.space.items():
-            if "choices" in entry:
-                choices = [json.dumps(choice) for choice in entry["choices"]]
-                found[name] = distributions.CategoricalDistribution(choices)
-            else:
-                kind = (
-                    distributions.IntDistribution
-                    if _is_whole(name)
-                    else distributions.FloatDistribution
-                )
-                found[name] = kind(entry["low"], entry["high"], log=entry.get("log", False))
-        return found
-
-    def _settings(self, drawn: Mapping[str, Any]) -> dict[str, Any]:
-        return {
-            name: json.loads(value) if "choices" in self.space[name] else value
-            for name, value in drawn.items()
-        }
-
 
 def require_optuna() -> None:
-    """Raise `MissingPackage` unless Optuna is installed."""
+    """Raise `MissingExtra` unless Optuna is installed."""
     try:
         import optuna  # noqa: F401
     except ImportError as error:
-        raise MissingPackage("a search over settings", "optuna", ["optuna>=4"]) from error
+        raise MissingExtra("a search over settings", "search") from error
 
 
 def _check_only(given: Any, experiment: Experiment) -> None:
@@ -252,48 +228,6 @@ def _check_only(given: Any, experiment: Experiment) -> None:
             for label in labels:
                 if label not in (known := [level.label for level in axes[axis]]):
                     raise UnknownName(f"level of {axis} in only", label, known)
-
-
-def _check(name: str, entry: Any) -> None:
-    """Raise unless a setting can be searched so, and the trainer takes the ends of what it says."""
-    if name not in TRAINING:
-        raise UnknownName("setting to be searched", name, TRAINING)
-    if not isinstance(entry, Mapping) or not ("choices" in entry or {"low", "high"} <= set(entry)):
-        raise InvalidInput(
-            f"space of {name} must be low and high, or choices, got {entry!r}; write "
-            "{ low = 1e-4, high = 1e-2, log = true }"
-        )
-    known = ("choices",) if "choices" in entry else RANGE
-    for key in entry:
-        if key not in known:
-            raise UnknownName(f"entry of the space of {name}", key, known)
-    if "choices" in entry:
-        values = entry["choices"]
-        if not isinstance(values, list) or not values:
-            raise InvalidInput(f"choices of {name} must be a list of them, got {values!r}")
-    else:
-        values = [_end(name, entry, key) for key in ("low", "high")]
-        if not values[0] < values[1]:
-            raise InvalidInput(f"low of {name} must be below high, got {values}; exchange them")
-        if not isinstance(entry.get("log", False), bool):
-            raise InvalidInput(f"log of {name} must be true or false, got {entry['log']!r}")
-        if entry.get("log", False) and values[0] <= 0:
-            raise InvalidInput(f"low of {name} must be positive with log, got {values[0]}; raise it")
-    for value in values:
-        given = tuple(value) if isinstance(value, list) else value
-        TrainConfig(**{"steps": 10**9, name: given})
-
-
-def _end(name: str, entry: Mapping[str, Any], key: str) -> float:
-    if name in UNSEARCHED:
-        raise InvalidInput(f"space of {name} must be choices, got a range; list some")
-    if _is_whole(name):
-        return whole(entry[key], f"{key} of {name}", at_least=0)
-    return number(entry[key], f"{key} of {name}")
-
-
-def _is_whole(name: str) -> bool:
-    return isinstance(getattr(TrainConfig(), name), int)
 
 
 def _seen(folder: Path, objective: str) -> float:

@@ -95,4 +95,3 @@ def _said(what: str) -> Iterator[None]:
             f"{what} must have fields of the kinds that it documents, got another one ({error}); "
             "change it"
         ) from error
-

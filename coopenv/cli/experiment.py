@@ -64,9 +64,7 @@ class Sweep:
     """Term of the reward, or the name of one that is added to it: wasted_cost, internal_force."""
     values: tuple[float, ...]
     """Its weights."""
-    training: TrainConfig = field(
-        default_factory=lambda: TrainConfig(out=Path("runs/sweep"))
-    )
+    training: TrainConfig = field(default_factory=lambda: TrainConfig(out=Path("runs/sweep")))
     seeds: int = 5
     """Trainings of each weight; their numbers begin at seed."""
     episodes: int = 200
@@ -137,9 +135,7 @@ def _conduct(
     if experiment.wandb is not None:
         found()  # told before the first cell
     with _progress(console) as show:
-        outcome = conduct(
-            experiment, search=search, tune=tune, workers=command.workers, show=show
-        )
+        outcome = conduct(experiment, search=search, tune=tune, workers=command.workers, show=show)
     if outcome.files:
         _print_table(outcome.results, console)
         _print_files(experiment.out, outcome.files, console)

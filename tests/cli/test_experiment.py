@@ -21,7 +21,9 @@ def file(tmp_path):
 def _here(monkeypatch):
     """Cells are worked on in this process."""
     monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setattr(run.Processes, "__call__", lambda self, folder, report: here(folder, report))
+    monkeypatch.setattr(
+        run.Processes, "__call__", lambda self, folder, report: here(folder, report)
+    )
 
 
 def test_an_experiment_runs_reports_and_is_not_repeated(file, tmp_path, capsys):
@@ -52,12 +54,13 @@ def test_a_dry_run_says_what_it_comes_to_and_writes_nothing(file, tmp_path, monk
 
 
 def test_a_mistake_ends_the_command_before_anything_is_written(file, tmp_path, capsys):
-    file.write_text(TEXT.replace("LoadShare", "LodShare"))
+    text = TEXT.replace("LoadShare", "LodShare")
+    file.write_text(text)
     out = tmp_path / "out"
     assert cli.main(["experiment", str(file), f"--out={out}"]) == 1
     said = capsys.readouterr().err
     assert "did you mean 'LoadShare'" in said
-    assert "line 32" in said
+    assert f"line {text.partition('LodShare')[0].count(chr(10)) + 1}" in said
     assert said.count("\n") == 1
     assert not out.exists()
 

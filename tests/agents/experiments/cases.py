@@ -31,7 +31,7 @@ algorithm = ["scripted", "random"]
 
 [grid.reward]
 none = "task"
-squeeze = { terms = { squeeze = { kind = "InternalForce", settings = { method = "moore_penrose" } } } }
+squeeze.terms.squeeze = { kind = "InternalForce", settings = { method = "moore_penrose" } }
 
 [grid.reward.share]
 preset = "harmony"
@@ -53,7 +53,9 @@ TRAINING = {"steps": 128, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epoc
 def small(out: Path, **changes: Any) -> Experiment:
     """Two settings of two seeds; nothing learns."""
     given = {"grid": {"algorithm": ["scripted", "random"]}, "seeds": 2, "episodes": 3}
-    return Experiment(**{**given, "environment": ENVIRONMENT, "training": TRAINING, **changes}, out=out)
+    return Experiment(
+        **{**given, "environment": ENVIRONMENT, "training": TRAINING, **changes}, out=out
+    )
 
 
 def here(folder: Path, report: Callable[[dict[str, Any]], None]) -> str | None:

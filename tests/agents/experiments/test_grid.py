@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ def test_a_file_makes_every_level_with_every_other_for_every_seed(file):
 
 
 def test_a_level_of_the_reward_has_its_preset_weights_and_terms(file):
-    cells = {cell.levels["reward"]: cell for cell in load(file)[0].cells()}
+    cells: dict[str, Any] = {cell.levels["reward"]: cell for cell in load(file)[0].cells()}
     squeeze, share = cells["squeeze"].environment.terms, cells["share"].environment.terms
     assert squeeze["squeeze"] == InternalForce(settings=Settings(method="moore_penrose"))
     assert share["share"] == LoadShare(wanted=(0.8, 0.2))
@@ -59,7 +60,7 @@ def test_levels_go_over_what_all_cells_have(tmp_path):
     cells = small(tmp_path, grid=grid, seeds=1).cells()
     assert len(cells) == 12
     for cell in cells:
-        environment = cell.environment
+        environment: Any = cell.environment
         assert (environment.task.position_tolerance, environment.task.angle_tolerance) == (0.3, 0.5)
         assert environment.horizon == 70
         assert environment.body.mass == 12.0

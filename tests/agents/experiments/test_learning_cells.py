@@ -1,5 +1,7 @@
 """Cells that learn: runs of the trainer, killed and begun anew, or gone on with."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -42,7 +44,8 @@ def test_a_cell_that_learns_is_a_run_of_the_trainer(undisturbed):
     assert {"policy.zip", "config.json", "curves.csv", "tensorboard", "evaluation.json"} <= names
     provenance = Provenance.read(undisturbed / "policy.zip")
     assert provenance is not None
-    assert provenance.config().terms["squeeze"].settings.method == "moore_penrose"
+    term: Any = provenance.config().terms["squeeze"]
+    assert term.settings.method == "moore_penrose"
     assert provenance.training["seed"] == 1
 
 

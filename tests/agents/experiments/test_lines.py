@@ -8,9 +8,12 @@ from coopenv.agents.experiments.lines import Source
 from coopenv.errors import InvalidInput
 from coopenv.files import toml
 
-TEXT = '''\
+TEXT = (
+    """\
 top = "a # no comment [nor table]"
-"quoted key" = 'it''' + "'" + '''
+"quoted key" = 'it"""
+    + "'"
+    + '''
 [a]  # comment = 1
 b.c.d = 1.5e-3
 b.e = { x = 1, "y" = { z = [1, 2, { deep = true }] } }
@@ -35,6 +38,7 @@ k = 0
 name = "second \\" = ["
 inner = { k = 1 }
 '''
+)
 
 
 def places(value, above=()) -> Iterator[tuple]:
@@ -76,5 +80,8 @@ def test_an_error_gets_the_line_of_the_nearest_key_once():
 
 
 def test_without_a_file_an_error_says_the_keys():
-    with pytest.raises(InvalidInput, match=r"^no \(grid\.reward\)$"), Source().at(("grid", "reward")):
+    with (
+        pytest.raises(InvalidInput, match=r"^no \(grid\.reward\)$"),
+        Source().at(("grid", "reward")),
+    ):
         raise InvalidInput("no")

@@ -3,14 +3,16 @@
 import re
 import sys
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 pytest.importorskip("matplotlib")
 
 from coopenv.agents.experiments import Results, write_report
-from coopenv.agents.experiments.measures import MEASURES
-from coopenv.agents.experiments.results import Run
+from coopenv.agents.experiments.cell import Cell
+from coopenv.agents.experiments.report.measures import MEASURES
+from coopenv.agents.experiments.report.results import Run
 from coopenv.agents.experiments.sweep import sweep
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.errors import InvalidInput, UnknownName
@@ -168,6 +170,11 @@ def test_a_folder_that_is_no_experiment_is_refused(tmp_path):
         Results.load(tmp_path)
 
 
+def weight(cell: Cell, name: str) -> float:
+    term: Any = cell.environment.terms[name]
+    return term.weight
+
+
 def test_a_sweep_has_a_setting_a_weight(tmp_path):
     training = TrainConfig(
         environment=EnvironmentChoice(reward="harmony", body=("mass=5",), weights=("progress=4",)),
@@ -177,19 +184,23 @@ def test_a_sweep_has_a_setting_a_weight(tmp_path):
     )
     experiment = sweep("relative_cost", [0, 0.1], training, seeds=3)
     cells = experiment.cells()
-    assert [cell.levels["reward"] for cell in cells[::3]] == ["relative_cost_0.0", "relative_cost_0.1"]
+    assert [cell.levels["reward"] for cell in cells[::3]] == [
+        "relative_cost_0.0",
+        "relative_cost_0.1",
+    ]
     assert [cell.seed for cell in cells[:3]] == [2, 3, 4]
     assert experiment.out == tmp_path
     for cell in cells:
-        assert cell.environment.body.mass == 5
-        assert cell.environment.terms["progress"].weight == 4
+        environment: Any = cell.environment
+        assert environment.body.mass == 5
+        assert environment.terms["progress"].weight == 4
         assert cell.training.steps == 10_000
-    assert [cell.environment.terms["relative_cost"].weight for cell in cells[::3]] == [0, 0.1]
+    assert [weight(cell, "relative_cost") for cell in cells[::3]] == [0, 0.1]
 
 
 def test_a_sweep_adds_a_term_that_the_reward_has_not(tmp_path):
     experiment = sweep("wasted_cost", [0.1, 1.0], TrainConfig(out=tmp_path), seeds=1)
-    assert [cell.environment.terms["wasted_cost"].weight for cell in experiment.cells()] == [0.1, 1]
+    assert [weight(cell, "wasted_cost") for cell in experiment.cells()] == [0.1, 1]
 
 
 def test_a_sweep_of_what_does_not_exist_is_refused(tmp_path):

@@ -6,6 +6,7 @@ import sys
 import time
 import types
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -16,7 +17,7 @@ from coopenv.agents.experiments.cell import CELL, FAILURE, RESULT, Cell
 from coopenv.agents.experiments.run import WORK, Processes, run_cells
 from coopenv.agents.experiments.work import work
 from coopenv.errors import InvalidInput, MissingPackage
-from tests.agents.experiments.cases import files, here, small
+from tests.agents.experiments.cases import ENVIRONMENT, files, here, small
 
 
 class Killed:
@@ -108,7 +109,9 @@ def test_a_grid_may_grow_and_never_shrink_or_change(tmp_path):
     with pytest.raises(InvalidInput, match=r"differs in episodes; choose another out"):
         conduct(replace(grown, episodes=2), launch=worked, workers=1)
     with pytest.raises(InvalidInput, match=r"differs in environment\.horizon"):
-        conduct(replace(grown, environment={"horizon": 50}), launch=worked, workers=1)
+        conduct(
+            replace(grown, environment={**ENVIRONMENT, "horizon": 50}), launch=worked, workers=1
+        )
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
@@ -128,7 +131,7 @@ def test_the_progress_counts_all_cells_up_to_their_end(tmp_path):
     cells = small(tmp_path).cells()
     run_cells(cells, tmp_path, workers=1, launch=here, show=lambda **said: seen.append(said))
     assert seen[-1] == {"done": 600.0, "total": 600.0, "cells": 4, "of": 4}  # 50 steps an episode
-    assert all(one["done"] <= two["done"] for one, two in zip(seen, seen[1:], strict=False))
+    assert all(one["done"] <= two["done"] for one, two in pairwise(seen))
 
 
 def test_a_process_of_its_own_does_what_this_one_would(finished, tmp_path):

@@ -1,17 +1,18 @@
 """Searches over settings: their budget, seeds of their own, and going on after a kill."""
 
 import json
+import sys
 from math import log10
 
 import pytest
 
-optuna = pytest.importorskip("optuna")
+pytest.importorskip("optuna")
 pytest.importorskip("matplotlib")
 
 from coopenv.agents.experiments import Search
 from coopenv.agents.experiments.cell import FORMAT, RESULT
 from coopenv.agents.seeds import evaluation_seeds, training_seeds
-from coopenv.errors import InvalidInput, MissingPackage
+from coopenv.errors import InvalidInput, MissingExtra
 from tests.agents.experiments.cases import small
 
 SPACE = {
@@ -113,6 +114,6 @@ def test_a_search_of_which_nothing_comes_is_refused(tmp_path):
 
 
 def test_a_search_without_optuna_says_what_to_install(tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "optuna", None)
-    with pytest.raises(MissingPackage, match="optuna"):
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    with pytest.raises(MissingExtra, match=r"coopenv\[search\]"):
         Search(space=SPACE).run(small(tmp_path), 1, Runs())

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import mannwhitneyu, trim_mean
 
-from coopenv.agents.experiments.statistics import (
+from coopenv.agents.experiments.report.statistics import (
     bootstrap_interval,
     interquartile_mean,
     mean,

@@ -10,7 +10,7 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.files import written
 
-from ..curves import Row
+from ...curves import Row
 from .measures import DISAGREEMENT, MEASURES, SUCCESS, TIME
 from .statistics import Scores, bootstrap_interval, interquartile_mean, performance_profile
 
@@ -22,6 +22,7 @@ DPI = 110
 STEPS = 101  # thresholds of a profile, and places of a curve
 RESAMPLES = 500  # for the bands of curves and profiles
 FEW = 6  # settings up to which bands are drawn; more would hide each other
+HEIGHT = 0.19  # [in] of a line of a legend, at least
 LINES = ("-", "--", ":", "-.")
 CURVES = (SUCCESS, DISAGREEMENT, "internal_force_level")  # panels of the learning curves
 NAMES = {SUCCESS: "success"}  # of measures in curves, where it is another
@@ -75,7 +76,7 @@ def draw_profiles(found: Mapping[str, Scores], path: Path) -> None:
     MissingExtra
         If matplotlib is not installed.
     """
-    figure = _figure(8.5, 4.8)
+    figure = _figure(8.5, max(4.8, HEIGHT * len(found)))
     axes = figure.subplots()
     thresholds = np.linspace(0.0, 1.0, STEPS)
     for number, (title, scores) in enumerate(found.items()):
@@ -108,7 +109,9 @@ def draw_curves(found: Mapping[str, Sequence[Sequence[Sequence[Row]]]], path: Pa
     MissingExtra
         If matplotlib is not installed.
     """
-    figure = _figure(4.6 * len(CURVES) + 2.5, 4.6)
+    figure = _figure(4.6 * len(CURVES) + 2.5, max(4.6, HEIGHT * len(found)))
+    from matplotlib.ticker import EngFormatter
+
     panels: list[Axes] = list(figure.subplots(1, len(CURVES)))
     for axes, measure in zip(panels, CURVES, strict=True):
         for number, (title, problems) in enumerate(found.items()):
@@ -116,6 +119,7 @@ def draw_curves(found: Mapping[str, Sequence[Sequence[Sequence[Row]]]], path: Pa
             if scores:
                 _band(axes, steps, scores, title, number, bands=len(found) <= FEW)
         axes.set(title=MEASURES[measure].title, xlabel="control steps")
+        axes.xaxis.set_major_formatter(EngFormatter(sep=""))
         axes.grid(alpha=0.3)
         axes.margins(x=0)
     panels[0].set_ylim(-0.02, 1.02)
@@ -142,7 +146,7 @@ def draw_pareto(found: Found, front: Sequence[str], path: Path) -> None:
     MissingExtra
         If matplotlib is not installed.
     """
-    figure = _figure(9.0, 5.0)
+    figure = _figure(9.0, max(5.0, HEIGHT * len(found)))
     axes = figure.subplots()
     ends = []
     for number, (title, estimates) in enumerate(found.items()):

@@ -15,9 +15,9 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.files import reading, written
 
-from ..curves import Row
-from .cell import CELL, FAILURE, FORMAT, RESULT, Cell, digest_of, read_json
-from .grid import Experiment
+from ...curves import Row
+from ..cell import CELL, FAILURE, FORMAT, RESULT, Cell, digest_of, read_json
+from ..grid import Experiment
 from .statistics import Scores, scores_of
 
 EXPERIMENT = "experiment.json"  # in the folder of an experiment
@@ -195,6 +195,7 @@ def _curves(path: Path) -> list[Row]:
         return []
     with reading(path), path.open(newline="", encoding="utf-8") as file:
         rows = [
-            {name: float(text) for name, text in row.items() if text} for row in csv.DictReader(file)
+            {name: float(text) for name, text in row.items() if text}
+            for row in csv.DictReader(file)
         ]
     return [{name: x for name, x in row.items() if isfinite(x)} for row in rows]

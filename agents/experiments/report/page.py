@@ -1,18 +1,12 @@
-"""Report of an experiment: Markdown, pictures and a table of all runs."""
+"""Page of a report: Markdown tables of settings, comparisons and the Pareto front."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.errors import MissingExtra
-from coopenv.files import written
 
-from . import pictures
 from .measures import DISAGREEMENT, MEASURES, SUCCESS, TIME, Measure
 from .results import Results, Run, Setting
 from .statistics import (
@@ -24,9 +18,11 @@ from .statistics import (
     probability_of_improvement,
 )
 
-FOLDER, PAGE, TABLE = "report", "report.md", "runs"
 COMPARED = (SUCCESS, TIME, DISAGREEMENT)  # with the first setting
 UNDEFINED = "–"
+
+Estimates = Mapping[str, "Estimate | None"]
+"""Measure -> estimate; None where it is undefined in all runs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,33 +43,62 @@ class Estimate:
         return f"{self.value:.3g} [{self.low:.3g}, {self.high:.3g}]"
 
 
-def write_report(results: Results, out: Path) -> list[str]:
-    """Write the report of what is finished into ``out/report``; the names of its files.
+def estimates_of(results: Results) -> dict[Setting, Estimates]:
+    """Interquartile means of all measures, by setting."""
+    return {
+        setting: {name: _estimate(results, runs, name) for name in MEASURES}
+        for setting, runs in results.by_setting().items()
+    }
 
-    Without pyarrow the table of runs is CSV, and without matplotlib there are no pictures; the
-    page says so. It holds no time of day, so that equal results give equal reports.
+
+def front_of(estimates: Mapping[Setting, Estimates]) -> list[Setting]:
+    """Settings that no other beats in both time and disagreement, by time."""
+    points = {
+        setting: (time.value, waste.value)
+        for setting, found in estimates.items()
+        if (time := found[TIME]) is not None and (waste := found[DISAGREEMENT]) is not None
+    }
+    if not points:
+        return []
+    settings = [*points]
+    rows = pareto_front(np.array([*points.values()]))
+    return sorted((settings[row] for row in rows), key=lambda setting: points[setting])
+
+
+def page_of(
+    results: Results,
+    estimates: Mapping[Setting, Estimates],
+    *,
+    table: str,
+    drawn: Sequence[str],
+    why: str | None,
+) -> str:
+    """The page in Markdown.
+
+    Parameters
+    ----------
+    results
+        Of the experiment.
+    estimates
+        Of `estimates_of`.
+    table
+        Name of the file with all runs.
+    drawn
+        Names of the pictures.
+    why
+        There are none, if so.
     """
-    folder = out / FOLDER
     groups = results.by_setting()
     titles = {setting: results.title(setting) for setting in groups}
-    estimates = {
-        setting: {name: _estimate(results, runs, name) for name in MEASURES}
-        for setting, runs in groups.items()
-    }
-    table = _save_runs(results, folder)
-    front = _front(estimates)
-    drawn, why = _draw(results, groups, titles, estimates, front, folder)
-    page = [
+    lines = [
         *_head(results, table, why),
         *_settings(results, groups, titles, estimates),
         *_compared(results, groups, titles),
-        *_front_part(titles, estimates, front),
+        *_front_part(titles, estimates, front_of(estimates)),
         *_pictures(drawn),
         *_method(),
     ]
-    with written(folder / PAGE) as part:
-        part.write_text("\n".join(page) + "\n", encoding="utf-8")
-    return [f"{FOLDER}/{name}" for name in (PAGE, *drawn, table)]
+    return "\n".join(lines) + "\n"
 
 
 def summary(results: Results) -> tuple[list[str], list[list[str]]]:
@@ -93,20 +118,6 @@ def summary(results: Results) -> tuple[list[str], list[list[str]]]:
 def _estimate(results: Results, runs: Sequence[Run], measure: str) -> Estimate | None:
     scores = results.scores(runs, measure)
     return None if scores is None else Estimate.of(interquartile_mean, scores)
-
-
-def _front(estimates: Mapping[Setting, Mapping[str, Estimate | None]]) -> list[Setting]:
-    """Settings that no other beats in both time and disagreement."""
-    points = {
-        setting: (time.value, waste.value)
-        for setting, found in estimates.items()
-        if (time := found[TIME]) is not None and (waste := found[DISAGREEMENT]) is not None
-    }
-    if not points:
-        return []
-    settings = [*points]
-    rows = pareto_front(np.array([*points.values()]))
-    return sorted((settings[row] for row in rows), key=lambda setting: points[setting])
 
 
 def _head(results: Results, table: str, why: str | None) -> list[str]:
@@ -138,7 +149,7 @@ def _settings(
     results: Results,
     groups: Mapping[Setting, Sequence[Run]],
     titles: Mapping[Setting, str],
-    estimates: Mapping[Setting, Mapping[str, Estimate | None]],
+    estimates: Mapping[Setting, Estimates],
 ) -> list[str]:
     head = ["setting", "runs", "problems", *(measure.title for measure in MEASURES.values())]
     rows = []
@@ -210,7 +221,7 @@ def _improvement(
 
 def _front_part(
     titles: Mapping[Setting, str],
-    estimates: Mapping[Setting, Mapping[str, Estimate | None]],
+    estimates: Mapping[Setting, Estimates],
     front: Sequence[Setting],
 ) -> list[str]:
     if not front:
@@ -246,65 +257,6 @@ def _method() -> list[str]:
         "probability of improvement and performance profiles are those of Agarwal et al. 2021, "
         '"Deep reinforcement learning at the edge of the statistical precipice".',
     ]
-
-
-def _draw(
-    results: Results,
-    groups: Mapping[Setting, Sequence[Run]],
-    titles: Mapping[Setting, str],
-    estimates: Mapping[Setting, Mapping[str, Estimate | None]],
-    front: Sequence[Setting],
-    folder: Path,
-) -> tuple[list[str], str | None]:
-    """Draw the pictures; their names, and why there are none."""
-    success = {
-        titles[setting]: scores
-        for setting, runs in groups.items()
-        if (scores := results.scores(runs, SUCCESS)) is not None
-    }
-    curves = {
-        titles[setting]: [[run.curves for run in each] for each in results.by_problem(runs).values()]
-        for setting, runs in groups.items()
-        if any(len(row) > 1 for run in runs for row in run.curves)  # an episode ended
-    }
-    named = {titles[setting]: found for setting, found in estimates.items()}
-    draws: dict[str, Callable[[Path], None]] = {
-        "intervals.png": partial(pictures.draw_intervals, named),
-        "profiles.png": partial(pictures.draw_profiles, success),
-    }
-    if curves:
-        draws["curves.png"] = partial(pictures.draw_curves, curves)
-    if front:
-        ends = [titles[setting] for setting in front]
-        draws["pareto.png"] = partial(pictures.draw_pareto, named, ends)
-    try:
-        for name, draw in draws.items():
-            draw(folder / name)
-    except MissingExtra as error:
-        return [], str(error)
-    return [*draws], None
-
-
-def _save_runs(results: Results, folder: Path) -> str:
-    """Write all runs as Parquet, or as CSV where pyarrow is missing; the name of the file."""
-    names = [*dict.fromkeys(name for run in results.runs for name in run.numbers)]
-    names = [name for name in names if name != "seed"]  # of the evaluation
-    columns: dict[str, list[Any]] = {
-        **{axis: [run.levels[axis] for run in results.runs] for axis in results.axes},
-        "seed": [run.seed for run in results.runs],
-        **{name: [run.numbers.get(name, np.nan) for run in results.runs] for name in names},
-    }
-    try:
-        import pyarrow as pa
-        from pyarrow import parquet
-    except ImportError:
-        with written(folder / f"{TABLE}.csv") as part:
-            rows = [columns.keys(), *zip(*columns.values(), strict=True)]
-            part.write_text("".join(f"{','.join(map(str, row))}\n" for row in rows))
-        return f"{TABLE}.csv"
-    with written(folder / f"{TABLE}.parquet") as part:
-        parquet.write_table(pa.table(columns), part)
-    return f"{TABLE}.parquet"
 
 
 def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
