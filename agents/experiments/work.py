@@ -7,13 +7,13 @@ import json
 import os
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
 from math import isfinite
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from coopenv.errors import CoopenvError, FileTrouble, InvalidInput
@@ -65,7 +65,7 @@ def main() -> None:
     It ends when standard input does, that is when the experiment's process ends, however it ends.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    Thread(target=_end_with_parent, daemon=True).start()
     try:
         work(Path(sys.argv[1]), _tell)
     except CoopenvError as error:

@@ -7,7 +7,7 @@ pytest.importorskip("matplotlib")
 
 from coopenv import cli
 from coopenv.agents.experiments import conduct, run
-from tests.agents.experiments.cases import TEXT, here, small
+from tests.agents.experiments.cases import TEXT, here, no_pictures, small
 
 
 @pytest.fixture
@@ -21,9 +21,9 @@ def file(tmp_path):
 def _here(monkeypatch):
     """Cells are worked on in this process."""
     monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setattr(
-        run.Processes, "__call__", lambda self, folder, report: here(folder, report)
-    )
+    monkeypatch.setattr(run.Processes, "__call__", lambda self, *given: here(*given))
+    with no_pictures():
+        yield
 
 
 def test_an_experiment_runs_reports_and_is_not_repeated(file, tmp_path, capsys):

@@ -1,10 +1,14 @@
 """Experiments whose cells take milliseconds, and how to run them in this process."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from coopenv.agents.experiments import Experiment
+from coopenv.agents.experiments.report import pictures
 from coopenv.agents.experiments.work import work
 from coopenv.errors import CoopenvError
 
@@ -65,6 +69,15 @@ def here(folder: Path, report: Callable[[dict[str, Any]], None]) -> str | None:
     except CoopenvError as error:
         return str(error)
     return None
+
+
+@contextmanager
+def no_pictures() -> Iterator[None]:
+    """Reports without pictures, which take most of their time."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("intervals", "profiles", "curves", "pareto"):
+            patch.setattr(pictures, f"draw_{name}", lambda *given: None)
+        yield
 
 
 def files(out: Path) -> dict[str, bytes]:

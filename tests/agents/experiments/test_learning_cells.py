@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("matplotlib")
 
+from coopenv.agents import curves
 from coopenv.agents.experiments.cell import RESULT
 from coopenv.agents.experiments.work import work
 from coopenv.agents.provenance import Provenance
@@ -29,6 +30,13 @@ def cell_in(folder, **changes):
 def killed(said):
     if said["steps"] >= 96:
         raise KeyboardInterrupt
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _undrawn():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(curves, "draw", lambda *given: None)
+        yield
 
 
 @pytest.fixture(scope="module")

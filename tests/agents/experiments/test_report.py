@@ -16,6 +16,7 @@ from coopenv.agents.experiments.report.results import Run
 from coopenv.agents.experiments.sweep import sweep
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.errors import InvalidInput, UnknownName
+from tests.agents.experiments.cases import no_pictures
 
 nan = float("nan")
 SUCCESS = {  # setting -> problem -> of each seed
@@ -120,7 +121,8 @@ def test_the_page_says_what_failed_what_was_found_and_with_what_it_was_made(writ
 
 def test_the_page_marks_cells_of_other_code(results, tmp_path):
     runs = [replace(results.runs[0], revision="def"), *results.runs[1:]]
-    write_report(replace(results, runs=runs), tmp_path)
+    with no_pictures():
+        write_report(replace(results, runs=runs), tmp_path)
     page = (tmp_path / "report" / "report.md").read_text()
     assert "- revision: def; abc, **not the same in all cells**" in page
 

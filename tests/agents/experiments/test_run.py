@@ -14,10 +14,10 @@ pytest.importorskip("matplotlib")
 
 from coopenv.agents.experiments import conduct
 from coopenv.agents.experiments.cell import CELL, FAILURE, RESULT, Cell
-from coopenv.agents.experiments.run import WORK, Processes, run_cells
-from coopenv.agents.experiments.work import work
+from coopenv.agents.experiments.run import WORK, run_cells
+from coopenv.agents.experiments.work import main, work
 from coopenv.errors import InvalidInput, MissingPackage
-from tests.agents.experiments.cases import ENVIRONMENT, files, here, small
+from tests.agents.experiments.cases import ENVIRONMENT, files, here, no_pictures, small
 
 
 class Killed:
@@ -31,6 +31,12 @@ class Killed:
             raise KeyboardInterrupt
         self.worked.append(folder.relative_to(folder.parents[2]).as_posix())
         return here(folder, report)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _unpictured():
+    with no_pictures():
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -144,12 +150,22 @@ def test_a_process_of_its_own_does_what_this_one_would(finished, tmp_path):
     assert not (tmp_path / cell.folder / FAILURE).exists()
 
 
-def test_a_process_says_why_it_failed(tmp_path):
+def test_a_process_says_why_it_failed(tmp_path, monkeypatch, capsys):
     (tmp_path / CELL).write_text("{}")
-    why = Processes()(tmp_path, lambda said: None)
-    assert why is not None
-    assert "must be of format 1" in why
-    assert "Traceback" not in why
+    monkeypatch.setattr(sys, "argv", ["work", str(tmp_path)])
+    monkeypatch.setattr("coopenv.agents.experiments.work.Thread", lambda **given: Idle())
+    monkeypatch.setattr("signal.signal", lambda *given: None)
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == 1
+    assert "must be of format 1" in json.loads(capsys.readouterr().out)["failed"]
+
+
+class Idle:
+    """A thread that does nothing."""
+
+    def start(self):
+        pass
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
