@@ -9,14 +9,15 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, field
+from inspect import getfile
 from pathlib import Path
 from tempfile import TemporaryFile
 from threading import Lock
 from typing import Any, Protocol
 
-import coopenv
 from coopenv.arrays import whole
 from coopenv.compiled.parallel import cores
+from coopenv.errors import CoopenvError
 from coopenv.files import locked, sweep, written
 
 from .cell import FAILURE, Cell
@@ -223,7 +224,7 @@ def _size(cell: Cell) -> float:
 
 
 def _begin(folder: Path, errors: Any) -> subprocess.Popen:
-    home = str(Path(coopenv.__file__).parents[1])
+    home = str(Path(getfile(CoopenvError)).resolve().parents[1])  # of the package
     path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(
         [sys.executable, "-m", WORK, str(folder)],

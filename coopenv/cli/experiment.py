@@ -3,7 +3,9 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from datetime import timedelta
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from coopenv.agents.settings import TrainConfig
@@ -134,8 +136,16 @@ def _conduct(
         return
     if experiment.wandb is not None:
         found()  # told before the first cell
-    with _progress(console) as show:
-        outcome = conduct(experiment, search=search, tune=tune, workers=command.workers, show=show)
+    progress = _progress if console.is_terminal else _lines
+    try:
+        with progress(console) as show:
+            outcome = conduct(
+                experiment, search=search, tune=tune, workers=command.workers, show=show
+            )
+    except KeyboardInterrupt as stop:
+        raise KeyboardInterrupt(
+            "interrupted; finished cells are kept, and the same command goes on"
+        ) from stop
     if outcome.files:
         _print_table(outcome.results, console)
         _print_files(experiment.out, outcome.files, console)
@@ -222,3 +232,24 @@ def _progress(console: "Console") -> Iterator[Callable[..., None]]:
             bar.update(task, completed=done, total=total, cells=cells, of=of)
 
         yield show
+
+
+@contextmanager
+def _lines(console: "Console") -> Iterator[Callable[..., None]]:
+    """A line whenever a cell has finished, with the time that is left: for a file of a log."""
+    begun, told = monotonic(), [-1]
+
+    def show(*, done: float, total: float, cells: int, of: int) -> None:
+        if told == [cells]:
+            return
+        told[:] = [cells]
+        passed = monotonic() - begun
+        left = f", {_duration(passed * (total - done) / done)} left" if 0 < done < total else ""
+        console.print(f"{cells} of {of} cells{left}", highlight=False)
+
+    yield show
+
+
+def _duration(seconds: float) -> str:
+    """As hours, minutes and seconds."""
+    return str(timedelta(seconds=round(seconds)))

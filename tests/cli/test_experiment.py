@@ -1,11 +1,14 @@
 """``coopenv experiment``, ``sweep`` and ``report`` on the command line."""
 
+import re
+
 import pytest
 
 pytest.importorskip("tyro")
 pytest.importorskip("matplotlib")
 
 from coopenv import cli
+from coopenv.agents import experiments
 from coopenv.agents.experiments import conduct, run
 from tests.agents.experiments.cases import TEXT, here, no_pictures, small
 
@@ -31,7 +34,9 @@ def test_an_experiment_runs_reports_and_is_not_repeated(file, tmp_path, capsys):
     command = ["experiment", str(file), f"--out={out}", "--workers=1"]
     assert cli.main(command) == 0
     printed = capsys.readouterr().out
-    assert "10 of 10 cells" in printed
+    assert "0 of 10 cells\n" in printed
+    assert re.search(r"[1-9] of 10 cells, \d:\d\d:\d\d left", printed)
+    assert "10 of 10 cells\n" in printed
     assert "tiny: interquartile mean" in printed
     page = (out / "report" / "report.md").read_bytes()
     results = {path: path.stat().st_mtime_ns for path in out.glob("cells/*/*/*")}
@@ -81,6 +86,15 @@ def test_a_failure_is_the_exit_code_and_the_report_is_written(file, tmp_path, mo
     assert "got 4 of 10 that failed" in said
     assert "it broke" in said
     assert "6 of 10 cells are finished" in (out / "report" / "report.md").read_text()
+
+
+def test_an_interruption_says_how_to_go_on(file, tmp_path, monkeypatch, capsys):
+    def interrupted(*_, **given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(experiments, "conduct", interrupted)
+    assert cli.main(["experiment", str(file), f"--out={tmp_path / 'out'}"]) == 130
+    assert "the same command goes on" in capsys.readouterr().err
 
 
 def test_a_report_of_nothing_is_refused(tmp_path, capsys):
