@@ -182,8 +182,8 @@ class Search:
         path = place / TRIAL
         if path.exists():
             found = read_json(path)
-            if found["settings"] == json.loads(json.dumps(settings)):
-                return found["value"]
+            if found.get("settings") == json.loads(json.dumps(settings)):
+                return found.get("value")
             raise InvalidInput(
                 f"out must hold no other search, got {path}, which is of other settings; choose "
                 "another out (--out), or move the folder away"

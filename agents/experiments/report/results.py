@@ -143,7 +143,9 @@ def save(experiment: Experiment, cells: Sequence[Cell], found: Mapping[str, Any]
     path = experiment.out / EXPERIMENT
     folders = [cell.folder for cell in cells]
     if path.exists():
-        others = {each["folder"] for each in read_json(path)["cells"]} - set(folders)
+        given = read_json(path)
+        with reading(path):
+            others = {each["folder"] for each in given["cells"]} - set(folders)
         if others:
             raise InvalidInput(
                 f"out must hold no other experiment, got {experiment.out}, which has "
