@@ -23,6 +23,7 @@ STEPS = 101  # thresholds of a profile, and places of a curve
 RESAMPLES = 500  # for the bands of curves and profiles
 FEW = 6  # settings up to which bands are drawn; more would hide each other
 HEIGHT = 0.19  # [in] of a line of a legend, at least
+MARKS = ("o", "s", "D", "^")  # after ten settings colours come again
 LINES = ("-", "--", ":", "-.")
 CURVES = (SUCCESS, DISAGREEMENT, "internal_force_level")  # panels of the learning curves
 NAMES = {SUCCESS: "success"}  # of measures in curves, where it is another
@@ -159,8 +160,9 @@ def draw_pareto(found: Found, front: Sequence[str], path: Path) -> None:
         axes.plot([time.value] * 2, high, color=look["color"], alpha=0.4)
         success = estimates[SUCCESS]
         said = f"{title} (success {success.value:.2f})" if success is not None else title
-        mark = "o" if title in front else "x"
-        axes.plot([time.value], [waste.value], mark, color=look["color"], label=said)
+        mark = MARKS[number // 10 % len(MARKS)]
+        fill = look["color"] if title in front else "none"
+        axes.plot([time.value], [waste.value], mark, color=look["color"], mfc=fill, label=said)
         if title in front:
             ends.append((time.value, waste.value))
     if len(ends) > 1:
@@ -168,7 +170,7 @@ def draw_pareto(found: Found, front: Sequence[str], path: Path) -> None:
     axes.set(
         xlabel="time of successful episodes [s]",
         ylabel=MEASURES[DISAGREEMENT].title,
-        title="o: no other setting is better in both",
+        title="filled: no other setting is better in both",
     )
     axes.grid(alpha=0.3)
     _legend(axes, len(found))
