@@ -33,7 +33,7 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
     InvalidInput, UnknownName
         If an entry has another form, a name does not exist, or a value breaks its rule.
     """
-    read = {name: _read(entries, name) for name, entries in given.items() if entries}
+    read = {name: values_of(entries, name) for name, entries in given.items() if entries}
     values: dict[str, Any] = {}
     for name in ("scene", "task"):
         if name in read:
@@ -61,8 +61,8 @@ def entries_of(group: Any, name: str) -> tuple[str, ...]:
     return (group,) if isinstance(group, str) else tuple(group)
 
 
-def _read(entries: Sequence[str], group: str) -> dict[str, Any]:
-    """``["mass=4", "grips=[[-1, 0], [1, 0]]"]`` as names and values."""
+def values_of(entries: Sequence[str], group: str) -> dict[str, Any]:
+    """``["mass=4", "grips=[[-1, 0], [1, 0]]"]`` as names and values; ``group`` is for errors."""
     values = {}
     for entry in entries:
         name, equals, text = entry.partition("=")

@@ -22,6 +22,9 @@ NAMES: dict[str, tuple[str, ...]] = {
     "coopenv.agents.controllers": (
         "Gains", "ImpedanceController", "RandomPolicy", "approach", "wrapped",
     ),
+    "coopenv.agents.experiments": (
+        "Experiment", "Outcome", "Results", "Search", "conduct", "load", "sweep", "write_report",
+    ),
     "coopenv.agents.partners": (
         "DEFAULT", "PARTNERS", "Follower", "Impedance", "Kind", "Lagging", "Leader",
         "LearnedPartner", "LoadSharing", "Noisy", "Person", "PolicyPartner", "Population",

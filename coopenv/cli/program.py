@@ -11,6 +11,7 @@ from typing import Protocol
 from coopenv.cli import terminal, version
 from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
+from coopenv.cli.experiment import Report, RunExperiment, Sweep
 from coopenv.cli.show import Show
 from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
 from coopenv.cli.study import Study
@@ -37,6 +38,9 @@ COMMANDS: dict[str, type[Command]] = {
     "decompose": Decompose,
     "show": Show,
     "study": Study,
+    "experiment": RunExperiment,
+    "sweep": Sweep,
+    "report": Report,
     "warmup": Warmup,
 }
 

@@ -1,0 +1,89 @@
+"""An experiment from beginning to end: its search, its cells, its report."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from coopenv.errors import InvalidInput
+from coopenv.files import locked, require_folder
+
+from .cell import Cell
+from .grid import Experiment
+from .report import Results, save, write_report
+from .run import Launch, Show, run_cells
+from .search import Search
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What came of an experiment."""
+
+    cells: int
+    failures: Mapping[str, str]
+    """Folder of a cell -> why it failed."""
+    results: Results
+    files: list[str]
+    """Of the report."""
+
+
+def conduct(
+    experiment: Experiment,
+    *,
+    search: Search | None = None,
+    tune: int = 0,
+    workers: int | None = None,
+    show: Show | None = None,
+    launch: Launch | None = None,
+) -> Outcome:
+    """Run what is not yet finished of an experiment, and write its report.
+
+    The same call after an interruption, or a kill, goes on: cells that are finished are kept, and
+    those that failed are tried again. More levels and more seeds may be added to the grid.
+
+    Parameters
+    ----------
+    experiment
+        All of it is checked before the first cell runs.
+    search
+        Over settings of the algorithms that learn, before the grid.
+    tune
+        Trials of the search for each; 0: none.
+    workers
+        Cells at a time; ``None``: one a core.
+    show
+        Told of the progress, of each trial of a search and then of the grid.
+    launch
+        How a cell is worked on; by default in a process of its own.
+
+    Returns
+    -------
+    What came of it; cells that failed did not stop the others.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        If the experiment breaks a rule, or its folder holds something else.
+    """
+    experiment.cells()
+    if tune and search is None:
+        raise InvalidInput(
+            f"tune must come with a space that is searched, got {tune} without one; write "
+            "[search.space] into the file"
+        )
+    require_folder(experiment.out)
+    with locked(experiment.out):
+
+        def run(cells: list[Cell], out: Path) -> Mapping[str, str]:
+            return run_cells(cells, out, workers=workers, launch=launch, show=show)
+
+        found = {}
+        if tune and search is not None:
+            experiment, found = search.run(experiment, tune, run)
+        cells = experiment.cells()
+        for cell in cells:
+            cell.check(experiment.out / cell.folder)
+        save(experiment, cells, found)
+        failures = run(cells, experiment.out)
+        results = Results.load(experiment.out)
+        files = write_report(results, experiment.out) if results.runs else []
+    return Outcome(cells=len(cells), failures=failures, results=results, files=files)

@@ -1,0 +1,283 @@
+"""An experiment: a grid of task, body, reward, observation, action, control, algorithm, seeds."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from coopenv.arrays import whole
+from coopenv.config import TransportConfig
+from coopenv.errors import CoopenvError, InvalidInput, UnknownName
+
+from ..provenance import Provenance
+from ..seeds import evaluation_seeds
+from ..settings import TrainConfig
+from .cell import Cell
+from .culprit import culprit
+from .levels import (
+    AXES,
+    LEARNER,
+    Options,
+    named_levels,
+    read_environment,
+    read_level,
+    read_training,
+)
+from .lines import Place, Source
+from .terms import with_terms
+
+MOST_SEED = 999  # of a grid: those above are the search's
+MOST_CELLS = 100_000
+PROBLEMS = ("task", "body")  # axes that are problems to be solved, not ways of solving them
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A level of an axis, as it was given and where."""
+
+    axis: str
+    label: str
+    value: Any
+    place: Place
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Experiment:
+    """A grid of runs, each level of each axis with each of the others, for every seed.
+
+    Parameters
+    ----------
+    name
+        Of the report.
+    grid
+        Axis -> its levels: a table of levels by label, or an array of levels that name themselves.
+        `coopenv.agents.experiments.levels.AXES` says what each axis may change.
+    environment, training
+        Options that all cells have, of `coopenv.agents.settings`; levels go over them.
+    seeds
+        Numbers of the trainings of every setting, at most `MOST_SEED`.
+    episodes
+        Held-out episodes of each evaluation, the same ones for every cell.
+    exclude
+        Tables of axis and label: settings that have all of these are left out.
+    problems
+        Axes whose levels are problems: results are taken together over them.
+    continues
+        Whether a cell that was killed goes on from the trainer's checkpoint. Its numbers are then
+        not those of one that was not killed; without it the cell begins anew, and they are.
+    wandb
+        Project of Weights & Biases that curves go to, where it is installed.
+    out
+        Folder of the experiment.
+    source
+        The file that it is from, for errors.
+
+    Raises
+    ------
+    InvalidInput, UnknownName
+        If something of it breaks its rule; with the line, if it is from a file.
+    """
+
+    name: str = "experiment"
+    grid: Mapping[str, Any] = field(default_factory=dict)
+    environment: Mapping[str, Any] = field(default_factory=dict)
+    training: Mapping[str, Any] = field(default_factory=dict)
+    seeds: Sequence[int] = (0, 1, 2, 3, 4)
+    episodes: int = 200
+    exclude: Sequence[Mapping[str, str]] = ()
+    problems: Sequence[str] = PROBLEMS
+    continues: bool = False
+    wandb: str | None = None
+    out: Path = Path("runs/experiment")
+    source: Source = field(default_factory=Source, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        at = self.source.at
+        with at(("experiment", "episodes")):
+            evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))
+        with at(("experiment", "seeds")):
+            object.__setattr__(self, "seeds", _seeds(self.seeds))
+        with at(("experiment", "problems")):
+            if not isinstance(self.problems, Sequence) or isinstance(self.problems, str):
+                raise InvalidInput(f"problems must be axes, got {self.problems!r}; list them")
+            for axis in self.problems:
+                if axis not in AXES:
+                    raise UnknownName("problems", axis, AXES)
+        for axis in self.grid:
+            with at(("grid", axis)):
+                if axis not in AXES:
+                    raise UnknownName("axis of the grid", axis, AXES)
+
+    def levels(self) -> dict[str, list[Level]]:
+        """The levels of each axis of the grid."""
+        return {
+            axis: [Level(axis, *each) for each in named_levels(axis, self.grid[axis], self.source)]
+            for axis in AXES
+            if axis in self.grid
+        }
+
+    def cells(self) -> list[Cell]:
+        """All cells, checked: each could begin, as far as can be known without running it.
+
+        Raises
+        ------
+        InvalidInput
+            If a level, or levels together, do not make a run; with the line, if from a file.
+        """
+        axes = self.levels()
+        common = self._common()
+        options = {
+            (level.axis, level.label): self._checked(
+                partial(read_level, level.axis), level.value, level.place
+            )
+            for levels in axes.values()
+            for level in levels
+        }
+        self._check_excluded(axes)
+        settings = [each for each in product(*axes.values()) if not self._is_excluded(each)]
+        if len(settings) * len(self.seeds) > MOST_CELLS:
+            raise InvalidInput(
+                f"grid must have at most {MOST_CELLS:,} cells, got "
+                f"{len(settings) * len(self.seeds):,}; drop levels or seeds"
+            )
+        if not settings:
+            raise InvalidInput("grid must have a cell, got all of them excluded; drop an exclude")
+        return [cell for setting in settings for cell in self._cells_of(setting, common, options)]
+
+    def over(self, algorithm: str | None, settings: Mapping[str, Any]) -> "Experiment":
+        """The same with other settings of a level of the axis of algorithms, or of all cells."""
+        if algorithm is None:
+            return replace(self, training={**self.training, **settings})
+        levels = {level.label: level.value for level in self.levels()["algorithm"]}
+        own = levels[algorithm]
+        own = {"name": own} if isinstance(own, str) else own
+        levels[algorithm] = {**own, **settings}
+        return replace(self, grid={**self.grid, "algorithm": levels})
+
+    def _common(self) -> Options:
+        """What all cells have, checked by itself."""
+        found = Options(algorithm=LEARNER)
+        for name, read in (("training", read_training), ("environment", read_environment)):
+            given, rest = getattr(self, name), found
+
+            def check(value: Any, read: Any = read, rest: Options = rest) -> Options:
+                made = read(value).over(rest)
+                _built(made)
+                return made
+
+            found = self._checked(check, given, (name,))
+        return found
+
+    def _check_alone(self, level: Level, common: Options) -> None:
+        """Raise if a level does not go with what all cells have, with the line of what does not."""
+
+        def check(value: Any) -> Options:
+            options = read_level(level.axis, value)
+            _built(options.over(common), complete=False)
+            return options
+
+        self._checked(check, level.value, level.place)
+
+    def _checked(self, check: Callable[[Any], Options], value: Any, place: Place) -> Options:
+        """What ``check`` makes of a value; an error says the line of the key that is its cause."""
+        try:
+            return check(value)
+        except CoopenvError as error:
+            where = culprit(check, value, error)
+            with self.source.at((*place, *where)):
+                raise error
+
+    def _cells_of(
+        self,
+        setting: Sequence[Level],
+        common: Options,
+        options: Mapping[tuple[str, str], Options],
+    ) -> Iterator[Cell]:
+        """The cells of a setting, one a seed."""
+        together = common
+        for level in setting:
+            together = options[level.axis, level.label].over(together)
+        try:
+            training, environment = _built(together)
+            Provenance.of(training, environment)  # raises if it could not be written
+        except CoopenvError as error:
+            for level in setting:  # one that is wrong by itself is told with its own line
+                self._check_alone(level, common)
+            places = [level.place for level in setting]
+            where = "; ".join(map(self.source.where, places))
+            names = ", ".join(f"{level.axis}={level.label}" for level in setting)
+            raise InvalidInput(
+                f"{error} (levels that do not go together: {names}; {where}; mend them, or exclude "
+                "that setting)"
+            ) from error
+        for seed in self.seeds:
+            yield Cell(
+                levels={level.axis: level.label for level in setting},
+                seed=seed,
+                algorithm=together.algorithm,
+                training=replace(training, seed=seed),
+                environment=environment,
+                episodes=self.episodes,
+                evaluation=0,
+                continues=self.continues,
+                wandb=self.wandb,
+            )
+
+    def _is_excluded(self, setting: Sequence[Level]) -> bool:
+        labels = {level.axis: level.label for level in setting}
+        return any(
+            all(labels.get(axis) == label for axis, label in each.items()) for each in self.exclude
+        )
+
+    def _check_excluded(self, axes: Mapping[str, Sequence[Level]]) -> None:
+        for number, each in enumerate(self.exclude):
+            with self.source.at(("exclude", number)):
+                if not isinstance(each, Mapping) or not each:
+                    raise InvalidInput(
+                        f"exclude must be tables of axis and label, got {each!r}; write "
+                        '{ action = "wrench", reward = "stored" }'
+                    )
+            for axis, label in each.items():
+                with self.source.at(("exclude", number, axis)):
+                    if axis not in axes:
+                        raise UnknownName("axis of exclude", axis, axes)
+                    known = [level.label for level in axes[axis]]
+                    if label not in known:
+                        raise UnknownName(f"level of {axis} in exclude", label, known)
+
+
+def _seeds(given: Any) -> tuple[int, ...]:
+    """Numbers of trainings; a single one is how many."""
+    if isinstance(given, int) and not isinstance(given, bool):
+        given = range(whole(given, "seeds", at_least=1, at_most=MOST_SEED + 1))
+    if isinstance(given, str) or not isinstance(given, Sequence) or not len(given):
+        raise InvalidInput(f"seeds must be a number of them or a list, got {given!r}; write 5")
+    seeds = tuple(whole(each, "seeds", at_least=0, at_most=MOST_SEED) for each in given)
+    if len(set(seeds)) < len(seeds):
+        raise InvalidInput(f"seeds must each be there once, got {list(seeds)}; drop what repeats")
+    return seeds
+
+
+def _built(options: Options, *, complete: bool = True) -> tuple[TrainConfig, TransportConfig]:
+    """Settings and environment of a run.
+
+    ``complete``: whether all levels are in it, so that whoever acts by a script has to find one.
+    """
+    env = options.environment.get("env", "")
+    if ":" in str(env):
+        raise InvalidInput(
+            f"env must be an id without a module in an experiment, got {env!r}; a file "
+            "imports nothing: train it with coopenv train --env"
+        )
+    training = TrainConfig(environment=options.choice(), threads=1, **options.training)
+    environment = training.environment.config()
+    if options.terms:
+        reward = with_terms(environment.terms, options.terms)
+        environment = replace(environment, reward=reward)
+    if complete and options.algorithm == "scripted":
+        from ..controllers import find_controller
+
+        find_controller(environment)
+    return training, environment

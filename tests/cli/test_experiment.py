@@ -1,0 +1,106 @@
+"""``coopenv experiment``, ``sweep`` and ``report`` on the command line."""
+
+import re
+
+import pytest
+
+pytest.importorskip("tyro")
+pytest.importorskip("matplotlib")
+
+from coopenv import cli
+from coopenv.agents import experiments
+from coopenv.agents.experiments import conduct, run
+from tests.agents.experiments.cases import TEXT, here, no_pictures, small
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "tiny.toml"
+    path.write_text(TEXT)
+    return path
+
+
+@pytest.fixture(autouse=True)
+def _here(monkeypatch):
+    """Cells are worked on in this process."""
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setattr(run.Processes, "__call__", lambda self, *given: here(*given))
+    with no_pictures():
+        yield
+
+
+def test_an_experiment_runs_reports_and_is_not_repeated(file, tmp_path, capsys):
+    out = tmp_path / "out"
+    command = ["experiment", str(file), f"--out={out}", "--workers=1"]
+    assert cli.main(command) == 0
+    printed = capsys.readouterr().out
+    assert "0 of 10 cells\n" in printed
+    assert re.search(r"[1-9] of 10 cells, \d:\d\d:\d\d left", printed)
+    assert "10 of 10 cells\n" in printed
+    assert "tiny: interquartile mean" in printed
+    page = (out / "report" / "report.md").read_bytes()
+    results = {path: path.stat().st_mtime_ns for path in out.glob("cells/*/*/*")}
+    assert cli.main(command) == 0
+    assert {path: path.stat().st_mtime_ns for path in out.glob("cells/*/*/*")} == results
+    (out / "report" / "report.md").unlink()
+    assert cli.main(["report", str(out)]) == 0
+    assert (out / "report" / "report.md").read_bytes() == page
+
+
+def test_a_dry_run_says_what_it_comes_to_and_writes_nothing(file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["experiment", str(file), "--dry-run"]) == 0
+    printed = capsys.readouterr().out
+    assert "reward (3): none, squeeze, share" in printed
+    assert "10 cells, 0 control steps of training" in printed
+    assert cli.main(["sweep", "wasted_cost", "0", "0.1", "--seeds=2", "--dry-run"]) == 0
+    assert "4 cells, 2,400,000 control steps" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
+
+
+def test_a_mistake_ends_the_command_before_anything_is_written(file, tmp_path, capsys):
+    text = TEXT.replace("LoadShare", "LodShare")
+    file.write_text(text)
+    out = tmp_path / "out"
+    assert cli.main(["experiment", str(file), f"--out={out}"]) == 1
+    said = capsys.readouterr().err
+    assert "did you mean 'LoadShare'" in said
+    assert f"line {text.partition('LodShare')[0].count(chr(10)) + 1}" in said
+    assert said.count("\n") == 1
+    assert not out.exists()
+
+
+def test_a_search_without_a_space_is_refused(file, tmp_path, capsys):
+    assert cli.main(["experiment", str(file), f"--out={tmp_path / 'out'}", "--tune=2"]) == 1
+    assert "write [search.space] into the file" in capsys.readouterr().err
+
+
+def test_a_failure_is_the_exit_code_and_the_report_is_written(file, tmp_path, monkeypatch, capsys):
+    def failing(self, folder, report):
+        return "it broke" if "share" in str(folder) else here(folder, report)
+
+    monkeypatch.setattr(run.Processes, "__call__", failing)
+    out = tmp_path / "out"
+    assert cli.main(["experiment", str(file), f"--out={out}", "--workers=1"]) == 1
+    said = capsys.readouterr().err
+    assert "got 4 of 10 that failed" in said
+    assert "it broke" in said
+    assert "6 of 10 cells are finished" in (out / "report" / "report.md").read_text()
+
+
+def test_an_interruption_says_how_to_go_on(file, tmp_path, monkeypatch, capsys):
+    def interrupted(*_, **given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(experiments, "conduct", interrupted)
+    assert cli.main(["experiment", str(file), f"--out={tmp_path / 'out'}"]) == 130
+    assert "the same command goes on" in capsys.readouterr().err
+
+
+def test_a_report_of_nothing_is_refused(tmp_path, capsys):
+    assert cli.main(["report", str(tmp_path)]) == 1
+    assert "no experiment.json" in capsys.readouterr().err
+    experiment = small(tmp_path / "out")
+    conduct(experiment, launch=lambda folder, report: "no", workers=1)
+    assert cli.main(["report", str(experiment.out)]) == 1
+    assert "which has none of 4" in capsys.readouterr().err
