@@ -4,9 +4,9 @@ from typing import Any
 
 from coopenv.config import TransportConfig
 
-from .features import scale_of_features
 from .learned import FallingRate, SB3Policy, Scaled, save_model
 from .settings import find_config
+from .training.hyperparameters import feature_scale, recommended
 from .vec_env import TransportVecEnv
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "TransportVecEnv",
     "feature_scale",
     "make_vec_env",
+    "recommended",
     "save_model",
 ]
 
@@ -55,9 +56,3 @@ def make_vec_env(
     if seed is not None:
         venv.seed(seed)
     return venv
-
-
-def feature_scale(venv: TransportVecEnv) -> list[float]:
-    """One factor a feature, which brings it to order one (`features.scale_of_features`)."""
-    rows = 1 if venv.control == "shared" else len(venv.transport.learners)
-    return scale_of_features(venv.transport) * rows

@@ -8,6 +8,9 @@ training            ``[seed · 2²⁰, (seed + 1) · 2²⁰)``, below 2³¹
 evaluation          ``2³¹ + [seed · 2²⁰, (seed + 1) · 2²⁰)``
 ==================  ======================================
 
+The last evaluation, number `STOPPING`, is of runs that end where their policy succeeds often enough
+(`coopenv.agents.settings.TrainConfig.until`).
+
 So no episode is ever trained on and tested on, and two trainings never share a world.
 """
 
@@ -16,6 +19,7 @@ from coopenv.errors import InvalidInput
 
 BLOCK = 2**20  # world seeds of one training or one evaluation
 HELD_OUT = 2**31  # the first world seed that no training uses
+STOPPING = HELD_OUT // BLOCK - 1  # number of the evaluation that ends trainings
 
 
 def training_seeds(seed: int, num_worlds: int) -> range:

@@ -162,13 +162,16 @@ class TrainConfig:
     steps: int = 600_000
     """Control steps, counted over all worlds, in whole rollouts; more of them go on with a run that
     is finished."""
-    num_worlds: int = 64
+    until: float | None = None
+    """Success rate at which the training ends before its steps, checked between updates on held-out
+    episodes of its own: the lower end of the 95 % interval has to reach it. Below 1."""
+    num_worlds: int = 256
     """Worlds stepped together."""
-    rollout: int = 128
+    rollout: int = 32
     """Control steps of each world between two updates."""
     batch_size: int = 2048
     """Samples in a gradient step."""
-    epochs: int = 10
+    epochs: int = 5
     """Times each sample is used."""
     learning_rate: float = 1e-3
     """At the start; it falls linearly to zero at steps. A run that goes on with more steps has the
@@ -225,7 +228,7 @@ class TrainConfig:
 
         Beside it, all of the environment (`coopenv.agents.provenance`), whatever it was named by.
         """
-        free = ("environment", "out", "threads", "checkpoint_every", "steps")
+        free = ("environment", "out", "threads", "checkpoint_every", "steps", "until")
         return {name: value for name, value in self.to_dict().items() if name not in free}
 
     def save(self, path: str | os.PathLike, *, notes: Mapping[str, Any] | None = None) -> None:
@@ -298,6 +301,11 @@ def _check_numbers(config: "TrainConfig") -> None:
                 f"{name} must be above 0 and at most 1, got {getattr(config, name)!r}; 0.95 or "
                 "0.99 are common"
             )
+    if config.until is not None and not 0 < number(config.until, "until") < 1:
+        raise InvalidInput(
+            f"until must be above 0 and below 1, got {config.until!r}; no number of episodes shows "
+            "that all succeed: 0.98 ends soon, None goes on to the end of the steps"
+        )
     training_seeds(config.seed, config.num_worlds)
     if config.steps <= config.num_worlds * config.rollout:  # the last update's rate is zero
         raise InvalidInput(

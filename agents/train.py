@@ -1,11 +1,8 @@
 """Training with PPO: logs, curves, and checkpoints that an interrupted run goes on from."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import ceil
-from typing import Any
-
-import numpy as np
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
@@ -15,17 +12,20 @@ from . import curves
 from .curves import Row
 from .learned.finite import has_diverged, require_finite
 from .provenance import Provenance
-from .sb3 import FallingRate, SB3Policy, Scaled, TransportVecEnv, feature_scale
+from .sb3 import SB3Policy, TransportVecEnv
 from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
 from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
 from .training.events import told_once
 from .training.folder import LOG, SETTINGS, clear, require_room
+from .training.hyperparameters import feature_scale, ppo_settings
 from .training.progress import Progress, Watch
+from .training.target import Reached, Target
+from .training.threads import torch_threads
 
 try:
-    import torch
     from stable_baselines3 import PPO
+    from stable_baselines3.common.base_class import BaseAlgorithm
 except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
@@ -49,6 +49,9 @@ def train(
     was done. Episodes that ran when it was killed begin anew, so a run that was killed does not
     give the same bits as one that was not. The folder is locked meanwhile, and left-overs of
     writers that were killed are removed from it.
+
+    With ``config.until`` it ends as soon as so many held-out episodes succeed, and ``tell`` says
+    where that was, or that it never was.
 
     A run that is finished is not trained again: its policy is returned. With more ``steps`` it goes
     on from its end, at the learning rate that a run of so many steps has there. ``config.fresh``
@@ -79,14 +82,9 @@ def train(
     KeyboardInterrupt
         If it is interrupted; the message says where the next call will go on.
     """
-    threads = torch.get_num_threads()
-    torch.set_num_threads(config.threads)
-    try:
-        with locked(config.out), writing(config.out):
-            sweep(config.out)
-            return _train(config, environment or config.environment.config(), report, tell)
-    finally:
-        torch.set_num_threads(threads)
+    with torch_threads(config.threads), locked(config.out), writing(config.out):
+        sweep(config.out)
+        return _train(config, environment or config.environment.config(), report, tell)
 
 
 def _train(
@@ -109,7 +107,7 @@ def _train(
         model, progress = _resume(found, config, venv), found.progress
     if found is None or not _is_finished(found, config):
         config.save(config.out / SETTINGS, notes=provenance.to_notes())
-        _learn(model, config, provenance, progress, report)
+        _learn(model, config, provenance, progress, report, tell)
     else:
         provenance = found.provenance
     curves.save_rows(progress.rows, config.out / "curves.csv")
@@ -125,36 +123,57 @@ def _learn(
     provenance: Provenance,
     progress: Progress,
     report: Callable[[Row], None] | None,
+    tell: Callable[[str], None],
 ) -> None:
-    """Train up to ``config.steps`` and save the policy, or a checkpoint if interrupted."""
+    """Train up to ``config.steps`` or ``config.until`` and save, if interrupted a checkpoint."""
     venv = model.get_env()
     assert isinstance(venv, TransportVecEnv)
     per_step = venv.num_envs // config.num_worlds  # rows of the VecEnv a control step of a world
     keeper = Keeper(config.out, provenance, progress, every=config.checkpoint_every)
+    target = None if config.until is None else Target(config.until, venv.transport.config)
+
+    def begin(model: BaseAlgorithm) -> None:
+        keeper.begin_rollout(model)
+        if target is not None:
+            target.check(model, progress)
+
     watch = Watch(
         progress,
         horizon=venv.transport.config.horizon,
         rollout=config.rollout,
         per_step=per_step,
-        begin=keeper.begin_rollout,
+        begin=begin,
         report=report if report is not None else lambda row: None,
     )
     try:
-        with told_once():
-            model.learn(
-                max(0, config.steps * per_step - model.num_timesteps),
-                callback=watch,
-                reset_num_timesteps=model.num_timesteps == 0,
-                tb_log_name=LOG,
-            )
+        reached = _run(model, watch, config.steps * per_step, target)
         require_finite(model, "of the policy")
         save(config.out / POLICY, model, provenance, progress)
+        if config.until is not None:
+            tell(reached or _not_reached(config))
     except ValueError as error:
         if not has_diverged(model, error):
             raise
         raise _diverged(keeper.write_kept(model), config) from error
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(_interrupted(keeper.write_kept(model), config)) from stop
+
+
+def _run(model: PPO, watch: Watch, rows: int, target: Target | None) -> str:
+    """Learn up to ``rows``, or to the target; what `Reached` says where it is reached."""
+    try:
+        with told_once():
+            model.learn(
+                max(0, rows - model.num_timesteps),
+                callback=watch,
+                reset_num_timesteps=model.num_timesteps == 0,
+                tb_log_name=LOG,
+            )
+        if target is not None:
+            target.check(model, watch.progress)
+    except Reached as reached:
+        return str(reached)
+    return ""
 
 
 def _furthest(config: TrainConfig, provenance: Provenance) -> Checkpoint | None:
@@ -206,6 +225,13 @@ def _warn_of_versions(found: Checkpoint) -> None:
         )
 
 
+def _not_reached(config: TrainConfig) -> str:
+    return (
+        f"{config.steps:,} steps are done and until={config.until:g} is not reached; more steps go "
+        "on from there"
+    )
+
+
 def _interrupted(done: int, config: TrainConfig) -> str:
     if not done:
         return "interrupted before the first update; the same command begins anew"
@@ -224,38 +250,6 @@ def _diverged(done: int, config: TrainConfig) -> InvalidInput:
         f"{config.learning_rate:g}), clip_range, entropy_weight or initial_std, and choose another "
         f"out or start over with fresh=True (--fresh){kept}"
     )
-
-
-def ppo_settings(config: TrainConfig, *, rows: int, scale: Sequence[float]) -> dict[str, Any]:
-    """What a ``PPO`` of Stable-Baselines3, or one like it, is made with for a run.
-
-    Parameters
-    ----------
-    config
-        Of the run.
-    rows
-        Of its ``VecEnv``.
-    scale
-        One factor a feature of a row.
-    """
-    return {
-        "n_steps": config.rollout,
-        "batch_size": min(config.batch_size, config.rollout * rows),
-        "n_epochs": config.epochs,
-        "learning_rate": FallingRate(config.learning_rate),
-        "gamma": config.discount,
-        "gae_lambda": config.gae_lambda,
-        "clip_range": config.clip_range,
-        "ent_coef": config.entropy_weight,
-        "policy_kwargs": {
-            "net_arch": list(config.hidden),
-            "log_std_init": float(np.log(config.initial_std)),
-            "features_extractor_class": Scaled,
-            "features_extractor_kwargs": {"scale": list(scale)},
-        },
-        "seed": config.seed,
-        "device": "cpu",
-    }
 
 
 def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:

@@ -15,13 +15,9 @@ class Config:
     """What can be changed: ``python examples/train_ppo.py --reward harmony``."""
 
     total_steps: int = 600_000  # control steps over all worlds
-    num_worlds: int = 64  # stepped together
+    num_worlds: int = 256  # stepped together
     control: str = "joint"  # one policy for the team, or "shared": the same one for each agent
     reward: str = "task"  # or "harmony": a price on the relative cost γ as well
-    rollout: int = 128  # control steps of each world between two updates
-    batch_size: int = 2048  # samples in a gradient step
-    epochs: int = 10  # times each sample is used
-    learning_rate: float = 1e-3  # falls linearly to zero
     seed: int = 0  # world k is seeded with seed + k
     out: str = "ppo_beam.zip"  # file of the policy
 
@@ -31,20 +27,8 @@ torch.set_num_threads(1)  # more are slower at this size
 venv = sb3.make_vec_env(
     "coopenv/BeamTransport-v0", config.num_worlds, control=config.control, reward=config.reward
 )
-model = PPO(
-    "MlpPolicy",
-    venv,
-    n_steps=config.rollout,
-    batch_size=min(config.batch_size, config.rollout * venv.num_envs),
-    n_epochs=config.epochs,
-    learning_rate=sb3.FallingRate(config.learning_rate),
-    policy_kwargs={
-        "log_std_init": -0.5,
-        "features_extractor_class": sb3.Scaled,  # observations are in SI units: bring them to ±1
-        "features_extractor_kwargs": {"scale": sb3.feature_scale(venv)},
-    },
-    seed=config.seed,
-)
+keywords = sb3.recommended(venv)  # n_steps, batch_size and the like, and how features are scaled
+model = PPO("MlpPolicy", venv, seed=config.seed, **keywords)
 model.learn(config.total_steps * venv.num_envs // config.num_worlds, progress_bar=True)
 sb3.SB3Policy(model).save(config.out)
 

@@ -32,6 +32,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     ),
     "coopenv.agents.sb3": (
         "FallingRate", "SB3Policy", "Scaled", "TransportVecEnv", "feature_scale", "make_vec_env",
+        "recommended",
     ),
     "coopenv.agents.settings": ("EnvironmentChoice", "TrainConfig"),
     "coopenv.agents.studies.people": ("People",),

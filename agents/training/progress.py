@@ -131,7 +131,7 @@ class Watch(BaseCallback):
         report: Callable[[Row], None],
     ):
         super().__init__()
-        self._progress, self._per_step = progress, per_step
+        self.progress, self._per_step = progress, per_step
         self._begin, self._report = begin, report
         self._rollouts = ceil(horizon / rollout)  # of the window
         self._early = self._rollouts if any(progress.window) else 0  # rollouts until they may tell
@@ -150,7 +150,7 @@ class Watch(BaseCallback):
         return True
 
     def _on_rollout_end(self) -> None:
-        progress = self._progress
+        progress = self.progress
         if self._early:
             self._early -= 1
             if not self._early:

@@ -1,6 +1,6 @@
 """Learned followers of the benchmark: PPO with and without memory, and with what is in its reward.
 
-All have the hyperparameters of `coopenv.agents.settings.TrainConfig`, and as many rows to learn
+All have the hyperparameters of `benchmarks.learning.settings.of_tables`, and as many rows to learn
 from.
 """
 
@@ -20,6 +20,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
 
 from benchmarks.haptics.cells import Cell, Found, environment, measured
 from benchmarks.haptics.recurrent import WholeSequences
+from benchmarks.learning.settings import of_tables
 from coopenv import TransportConfig, rewards
 from coopenv.agents.partners import PARTNERS
 from coopenv.agents.policy import Policy
@@ -132,7 +133,7 @@ def run(cell: Cell, episodes: int, tell: Callable[[str], None] = print) -> Found
     assert cell.seed is not None
     rows_a_step = len(config.learners)
     with TemporaryDirectory() as folder:
-        training = TrainConfig(
+        training = of_tables(
             control=learner.control,
             seed=cell.seed,
             steps=cell.rows // rows_a_step,

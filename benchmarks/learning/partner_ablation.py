@@ -32,6 +32,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.stats import bootstrap
 
+from benchmarks.learning.settings import of_tables
 from benchmarks.pages import DOCS, fill, markdown
 from coopenv import wrench
 from coopenv.agents.controllers.impedance import ImpedanceController
@@ -100,7 +101,7 @@ class Ablation:
     write: bool = False
     """Put the table into docs/studies.md."""
     training: TrainConfig = field(
-        default_factory=lambda: TrainConfig(control="partner", steps=300_000)
+        default_factory=lambda: of_tables(control="partner", steps=300_000)
     )
 
     def check(self) -> None:

@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.learning.presets``.
 
-Every policy is trained with the defaults of `coopenv.agents.settings.TrainConfig` and evaluated on
-the same held-out episodes.
+Every policy is trained with `benchmarks.learning.settings.of_tables` and evaluated on the same
+held-out episodes.
 """
 
 import time
@@ -15,6 +15,7 @@ import numpy as np
 import tyro
 from rich.console import Console
 
+from benchmarks.learning.settings import of_tables
 from coopenv.agents.curves import Row, draw
 from coopenv.agents.evaluate import Evaluation, evaluate, save, table
 from coopenv.agents.settings import TrainConfig
@@ -35,7 +36,7 @@ class Study:
     """Held-out episodes for each policy."""
     out: Path = Path("runs/learning")
     """Folder for policies, table and curves."""
-    training: TrainConfig = field(default_factory=TrainConfig)
+    training: TrainConfig = field(default_factory=of_tables)
 
 
 def run(study: Study, tell: Callable[[str], None] = print) -> list[Evaluation]:

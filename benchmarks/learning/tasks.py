@@ -1,6 +1,6 @@
 """Every environment with its default reward: ``python -m benchmarks.learning.tasks [--write]``.
 
-The scripted controller and PPO (defaults of `coopenv.agents.settings.TrainConfig`, several seeds)
+The scripted controller and PPO (`benchmarks.learning.settings.of_tables`, several seeds)
 on the same held-out episodes. ``--write`` puts the table into ``docs/tasks.md``; rows of
 environments that were not asked for stay as they are there.
 """
@@ -16,6 +16,7 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
+from benchmarks.learning.settings import of_tables
 from benchmarks.pages import DOCS, cells, fill, markdown
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.curves import Row
@@ -49,7 +50,7 @@ class Tasks:
     """Put the table into docs/tasks.md."""
     out: Path = Path("runs/tasks")
     """Folder for the policies."""
-    training: TrainConfig = field(default_factory=TrainConfig)
+    training: TrainConfig = field(default_factory=of_tables)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -119,9 +119,11 @@ class Evaluate:
         self, named: Mapping[str, str], places: Mapping[str, Environment], console: "Console"
     ) -> "list[Evaluation]":
         from coopenv.agents.evaluate import evaluate
+        from coopenv.agents.training.threads import torch_threads
 
         policies = {label: self._found(name, places[label]) for label, name in named.items()}
-        with console.status(f"evaluating on {self.episodes} held-out episodes"):
+        status = console.status(f"evaluating on {self.episodes} held-out episodes")
+        with torch_threads(1), status:  # of networks that are small
             return [
                 evaluate(
                     policy,

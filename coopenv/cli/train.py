@@ -69,6 +69,7 @@ class Train:
 
         from coopenv.agents.partners import trusting
         from coopenv.agents.train import train
+        from coopenv.agents.training.threads import torch_threads
 
         config = self.training.environment.config()
         config = trusting(config) if self.trust else config
@@ -77,7 +78,8 @@ class Train:
         with _training_progress(self.training.steps, console) as report:
             trained = train(self.training, environment=config, report=report, tell=tell)
         try:
-            self._evaluate(trained, config, console)
+            with torch_threads(self.training.threads):
+                self._evaluate(trained, config, console)
         except KeyboardInterrupt as stop:
             raise KeyboardInterrupt(
                 f"interrupted; the trained policy is {self.training.out / 'policy.zip'}, and the "

@@ -2,6 +2,7 @@
 
 import pickle
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
 from coopenv import Sensor, Transport, TransportConfig
 from coopenv.agents import sb3
+from coopenv.agents.settings import TrainConfig
+from coopenv.agents.train import ppo_settings
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.observation import ranges
 
@@ -242,6 +245,32 @@ def test_ppo_learns_and_is_evaluated_without_a_warning(control: str):
     assert np.isfinite(mean)
     assert model.ep_info_buffer
     assert "relative_cost" in model.ep_info_buffer[0]
+
+
+@pytest.mark.parametrize("control", [*CONTROLS, "partner"])
+def test_the_recommended_keywords_are_those_of_a_run_whatever_the_number_of_worlds(control: str):
+    config = TrainConfig(num_worlds=8, rollout=16, batch_size=64, epochs=3, steps=1024, seed=7)
+    few, many = small(control), sb3.make_vec_env(num_worlds=32, control=control)
+    rows = few.num_envs // few.transport.num_worlds  # of a world
+    model = PPO("MlpPolicy", few, seed=7, **sb3.recommended(few, config))
+    assert model.n_steps * few.transport.num_worlds == 8 * 16
+    assert (model.n_epochs, model.batch_size, model.seed) == (3, 64, 7)
+    assert model.lr_schedule(0.5) == pytest.approx(0.5 * config.learning_rate)
+    extractor: Any = model.policy.features_extractor
+    assert extractor.scale.tolist() == pytest.approx(sb3.feature_scale(few))
+    assert sb3.recommended(many, config)["n_steps"] == 4
+    small_updates = TrainConfig(num_worlds=8, rollout=2, batch_size=64, steps=1024)
+    assert sb3.recommended(few, small_updates)["batch_size"] == min(64, 16 * rows)
+    assert sb3.recommended(many, small_updates)["n_steps"] == 2  # or no advantage is estimated
+
+
+def test_the_recommended_keywords_are_the_defaults_of_a_run():
+    venv, config = sb3.make_vec_env(), TrainConfig()
+    wanted = ppo_settings(config, rows=config.num_worlds, scale=sb3.feature_scale(venv))
+    wanted.pop("seed")
+    worlds = venv.num_envs
+    rollout = config.rollout * config.num_worlds // worlds
+    assert sb3.recommended(venv) == {**wanted, "n_steps": rollout}
 
 
 def test_it_can_be_wrapped_and_used_off_policy():
