@@ -159,7 +159,7 @@ class TrainConfig:
     walking)."""
     seed: int = 0
     """Number of the run; no two runs share an episode (coopenv.agents.seeds)."""
-    steps: int = 600_000
+    steps: int = 900_000
     """Control steps, counted over all worlds, in whole rollouts; more of them go on with a run that
     is finished."""
     until: float | None = None
