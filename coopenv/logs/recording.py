@@ -1,10 +1,9 @@
-"""Recordings of trials and their reader: SI units, object frame, y up."""
+"""Reader of recordings of trials: SI units, object frame, y up."""
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,87 +12,19 @@ from coopenv.errors import InvalidInput
 from coopenv.files import reading
 from coopenv.logs.assumptions import assumptions
 from coopenv.logs.convert import Measured, in_si, turned_over
+from coopenv.logs.corrections import Corrections, oriented
 from coopenv.logs.faults import Faults
 from coopenv.logs.formats import open_source
 from coopenv.logs.formats.chunks import Chunk, Column
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import require_short_names
 from coopenv.logs.plan import make_plan
+from coopenv.logs.recorded import Recording
 from coopenv.logs.trials import Trials
 
+__all__ = ["Reader", "Recording", "naming", "read"]
+
 EXACT = 2.0**53  # whole numbers below are floats without rounding
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Recording:
-    """What was recorded, row by row; rows that could not be used are NaN and not ``good``.
-
-    Raises
-    ------
-    InvalidInput
-        If an array has masked values.
-    """
-
-    time: FloatArray | None  # (T,) [s]
-    applied: FloatArray  # (T, n, 3) or (T, n, 6), object frame [N, N·m]
-    grips: FloatArray  # (n, 2 or 3), or (T, n, 2 or 3) where they vary, object frame [m]
-    position: FloatArray | None  # (T, 2 or 3) of the centre of mass, world frame [m]
-    orientation: FloatArray | None  # (T,) [rad], in space (T, 4) quaternion w, x, y, z
-    twist: FloatArray | None  # (T, 3 or 6), object frame [m/s, rad/s]
-    carried: dict[str, Column]  # the file's other columns, (T,) each
-    trial: IntArray  # (T,) number of the trial, from 0
-    good: BoolArray  # (T,)
-
-    def __post_init__(self):
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if entry.name != "carried":
-                object.__setattr__(self, entry.name, _unmasked(value, entry.name))
-        for name in [name for name, column in self.carried.items() if np.ma.isMA(column)]:
-            self.carried[name] = _unmasked(self.carried[name], f"carried column {name!r}")
-
-    def __len__(self) -> int:
-        return len(self.applied)
-
-    @property
-    def num_effectors(self) -> int:
-        """How many hold the object."""
-        return self.applied.shape[1]
-
-    def take(self, rows: BoolArray | IntArray | slice) -> "Recording":
-        """Only these rows."""
-        values: dict[str, Any] = {}
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if entry.name == "carried":
-                value = {name: column[rows] for name, column in value.items()}
-            elif value is not None and not (entry.name == "grips" and value.ndim == 2):
-                value = value[rows]
-            values[entry.name] = value
-        return Recording(**values)
-
-    def trials(self) -> Iterator["Recording"]:
-        """One recording a trial, in the order of the file."""
-        starts = np.flatnonzero(np.diff(self.trial, prepend=-1))
-        for first, last in zip(starts, [*starts[1:], len(self)], strict=True):
-            yield self.take(slice(int(first), int(last)))
-
-    @classmethod
-    def joined(cls, parts: list["Recording"]) -> "Recording":
-        """Several recordings with the same columns, one after the other."""
-
-        def join(name: str) -> Any:
-            values = [getattr(part, name) for part in parts]
-            if values[0] is None or (name == "grips" and values[0].ndim == 2):
-                return values[0]
-            return np.concatenate(values)
-
-        made = {entry.name: join(entry.name) for entry in fields(cls) if entry.name != "carried"}
-        carried = {
-            name: np.concatenate([part.carried[name] for part in parts])
-            for name in parts[0].carried
-        }
-        return cls(**made, carried=carried)
 
 
 def read(
@@ -142,18 +73,35 @@ class Reader:
     ):
         self.path = os.fspath(path)
         self.layout = layout if layout is not None else Layout()
-        self._source = open_source(path, self.layout.decimal, self.layout.limits)
+        source = open_source(path, self.layout.decimal, self.layout.limits)
+        self._source = oriented(source, self.path, self.layout)
         columns, grips_in_file = self._source.columns, self._source.grips is not None
         require_short_names(self.path, (*columns, *self._source.left_out))
         with naming(self.path):
             self.plan = make_plan(self.path, columns, self.layout, grips_in_file=grips_in_file)
-        self.faults = Faults(self.path, columns, self.plan, bad_rows)
-        self.left_out = [*self._source.left_out, *self.plan.unused]
+            self._corrections = Corrections(
+                self.path,
+                self.layout,
+                self.plan,
+                lambda path, layout: Reader(path, layout, bad_rows=bad_rows),
+            )
+        self.faults = Faults(self.path, columns, self.plan, bad_rows, len(source.columns))
+        unused = [name for name in self.plan.unused if name in source.columns]
+        self.left_out = [*self._source.left_out, *unused]
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
         self.assumed = assumptions(self.layout, self.plan, self._grips)
 
+    @property
+    def done(self) -> tuple[str, ...]:
+        """Corrections, as sentences; known once reading has begun."""
+        return self._corrections.done
+
     def __iter__(self) -> Iterator[Recording]:
+        return self._corrections(self._recorded())
+
+    def _recorded(self) -> Iterator[Recording]:
+        """As it is in the file, but for units and frames."""
         plan = self.plan
         trials = Trials(self._trial_columns())
         time_column = plan.source.get("time")
@@ -251,18 +199,6 @@ def naming(path: str) -> Iterator[None]:
         if path in str(error):
             raise
         raise InvalidInput(f"{path}: {error}") from error
-
-
-def _unmasked(value: Any, name: str) -> Any:
-    """The plain array of a masked one of which nothing is masked."""
-    if not np.ma.isMA(value):
-        return value
-    if np.ma.is_masked(value):
-        raise InvalidInput(
-            f"{name} must have no masked values, got {np.ma.count_masked(value)}; fill them with "
-            "NaN, and say of their rows that they are not good"
-        )
-    return np.asarray(value)
 
 
 def _as_numbers(column: Column, decimal: str) -> Column:

@@ -1,0 +1,6 @@
+"""Corrections of a recording as a layout asks for them, row by row and run by run."""
+
+from coopenv.logs.corrections.chain import Corrections
+from coopenv.logs.corrections.oriented import oriented
+
+__all__ = ["Corrections", "oriented"]
