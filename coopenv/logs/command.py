@@ -103,12 +103,12 @@ class Decompose:
         except ImportError as error:
             raise MissingExtra("the command line", "analysis") from error
 
-        from coopenv.logs.layout import Layout, parse_mapping
+        from coopenv.logs.layout import TABLES, Layout, parse_mapping
         from coopenv.logs.limits import legible
         from coopenv.logs.run import decompose_file
         from coopenv.wrench import Settings
 
-        options = [entry.name for entry in fields(Layout) if entry.name != "columns"]
+        options = [entry.name for entry in fields(Layout) if entry.name not in TABLES]
         said: dict[str, Any] = {
             name: getattr(self, name)
             for name in options

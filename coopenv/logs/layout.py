@@ -86,9 +86,9 @@ class Layout:
     force: str = "N"
     torque: str = "N*m"
     sensors: Mapping[int, Sensor] = field(default_factory=dict)  # number of the effector -> its own
-    pose: Pose = Pose()  # how it is written, of which point, when
-    filters: Filters = Filters()
-    body: Body = Body()  # the object, where it is known
+    pose: Pose = field(default_factory=Pose)  # how it is written, of which point, when
+    filters: Filters = field(default_factory=Filters)
+    body: Body = field(default_factory=Body)  # the object, where it is known
     # the most that a file may have, so that none costs more than it should; see Limits
     max_row_bytes: int = LIMITS.row_bytes
     max_columns: int = LIMITS.columns

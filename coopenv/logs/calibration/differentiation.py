@@ -39,7 +39,8 @@ def derivative(values: FloatArray, rate: float, window: float) -> FloatArray:
     if count < 3:
         return np.gradient(values, 1 / rate, axis=0)
     degree = min(DEGREE, count - 1)
-    return savgol_filter(values, count, degree, deriv=1, delta=1 / rate, axis=0, mode="interp")
+    made = savgol_filter(values, count, degree, deriv=1, delta=1 / rate, axis=0, mode="interp")
+    return np.asarray(made)
 
 
 def window_rows(rate: float, window: float) -> int:

@@ -1,6 +1,7 @@
 """Zero-phase low pass: a Butterworth filter that passes forward and backward."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -48,14 +49,15 @@ def settling_rows(rate: float, cutoff: float, order: int) -> int:
     """
     from scipy.signal import butter
 
-    _, poles, _ = butter(order, _checked(rate, cutoff), output="zpk", fs=rate)
+    made: Any = butter(order, _checked(rate, cutoff), output="zpk", fs=rate)
+    poles = made[1]
     return math.ceil(math.log(LEFT) / math.log(np.abs(poles).max())) + 3 * (order + 2)
 
 
 def _sections(rate: float, cutoff: float, order: int) -> FloatArray:
     from scipy.signal import butter
 
-    return butter(order, _checked(rate, cutoff), output="sos", fs=rate)
+    return np.asarray(butter(order, _checked(rate, cutoff), output="sos", fs=rate))
 
 
 def _checked(rate: float, cutoff: float) -> float:

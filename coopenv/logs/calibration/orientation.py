@@ -52,7 +52,7 @@ def quaternions(values: npt.ArrayLike, kind: str, order: str | None = None) -> F
     if kind == "quaternion":
         return given[..., [3, 0, 1, 2]] if order == "xyzw" else given.copy()
     flat = given.reshape(-1, COUNTS[kind])
-    usable = np.isfinite(flat).all(axis=-1)
+    usable = np.asarray(np.isfinite(flat).all(axis=-1))
     made = np.full((len(flat), 4), np.nan)
     if kind == "euler":
         made[usable] = _wxyz(Rotation.from_euler(order, flat[usable]))

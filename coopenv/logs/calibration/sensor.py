@@ -23,12 +23,10 @@ RESTS = "a rest is two times [start, end] in seconds"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tare:
-    """When nothing was held: the mean reading then, once everything else is corrected, is taken off."""
+    """When nothing was held: the mean then, once all else is corrected, is taken off."""
 
     first: float | None = None  # [s] the file begins with that long a rest
-    rests: tuple[tuple[float, float], ...] | None = (
-        None  # [s] two of them: the bias drifts linearly
-    )
+    rests: tuple[tuple[float, float], ...] | None = None  # [s] with two the bias drifts
     file: str | None = None  # a recording of nothing but rest, with the same columns
 
     def checked(self, key: str) -> "Tare":

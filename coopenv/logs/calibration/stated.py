@@ -1,6 +1,6 @@
 """Values of a layout's tables, checked: every message names the key, as in ``sensors.1.offset``."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
@@ -11,7 +11,7 @@ LARGEST = 1e9  # of a number in a layout
 T = TypeVar("T")
 
 
-def stated(kind: Callable[..., T], value: Any, key: str) -> T:
+def stated(kind: type[T], value: Any, key: str) -> T:
     """An object of a dataclass ``kind``, as it is or from a table of its fields.
 
     Raises
@@ -21,7 +21,7 @@ def stated(kind: Callable[..., T], value: Any, key: str) -> T:
     InvalidInput
         If it is no table, or a field that has no default is missing.
     """
-    if isinstance(value, kind):  # type: ignore[arg-type]
+    if isinstance(value, kind):
         return value
     if not isinstance(value, Mapping):
         raise InvalidInput(

@@ -1,4 +1,4 @@
-"""A source whose orientation is written otherwise than documented: it gets the documented columns."""
+"""A source whose orientation is written otherwise than documented, with documented columns."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

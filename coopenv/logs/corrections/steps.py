@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.logs.calibration.differentiation import (
     acceleration,
     twist_from_pose,
@@ -47,7 +47,7 @@ def earlier(recordings: Iterable[Recording], delay: float) -> Iterator[Recording
     return by_runs(recordings, work, lambda rate: math.ceil(abs(delay) * rate) + 2)
 
 
-def without(recording: Recording, kept: FloatArray) -> Recording:
+def without(recording: Recording, kept: BoolArray) -> Recording:
     """The same, but only rows that are ``kept`` are good; results of the others are NaN."""
     applied = np.where(kept[:, None, None], recording.applied, np.nan)
     twist = recording.twist

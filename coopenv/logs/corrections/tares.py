@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coopenv.arrays import FloatArray
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.processing import Filters
-from coopenv.logs.calibration.sensor import Sensor, Tare
+from coopenv.logs.calibration.sensor import Tare
 from coopenv.logs.calibration.tare import drift
 from coopenv.logs.layout import Layout
 from coopenv.logs.recorded import Recording
@@ -88,7 +88,7 @@ class _Mean:
         self._rows, self._time = 0, 0.0
         self._sum: FloatArray | float = 0.0
 
-    def add(self, recording: Recording, rows: FloatArray, place: int) -> None:
+    def add(self, recording: Recording, rows: BoolArray, place: int) -> None:
         """Append some rows of an effector."""
         self._rows += int(rows.sum())
         self._sum = self._sum + recording.applied[rows, place].sum(axis=0)

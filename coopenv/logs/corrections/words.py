@@ -77,8 +77,8 @@ def _tare(tare: Tare, bias: Bias) -> str:
     unit = "N, N·m"
     if bias.last is not None:
         return (
-            f"bias from {listed(bias.first)} at {bias.times[0]:.4g} s to {listed(bias.last)} {unit} "
-            f"at {bias.times[1]:.4g} s taken off"
+            f"bias from {listed(bias.first)} at {bias.times[0]:.4g} s to {listed(bias.last)} "
+            f"{unit} at {bias.times[1]:.4g} s taken off"
         )
     where = "first" if tare.first is not None else "rest"
     source = f"mean of {tare.file}" if tare.file is not None else f"mean of the {where}"
