@@ -76,6 +76,8 @@ def decompose_file(
             with writing(table):
                 collector, check = _fill(sink, reader, settings, drawing, report)
                 with naming(reader.path):
+                    if reader.done:
+                        sink.describe(reader.done)
                     sink.close()
         except BaseException:
             with suppress(OSError, ValueError):  # what went wrong first is what is told
@@ -92,6 +94,7 @@ def decompose_file(
             first_bad=reader.faults.first.partition(";")[0],
             left_out=tuple(reader.left_out),
             assumed=reader.assumed,
+            done=reader.done,
             consistency=check.result(),
             old_picture=beside if image is None and beside.is_file() else None,
         )

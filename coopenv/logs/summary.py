@@ -65,6 +65,7 @@ class Summary:
     left_out: tuple[str, ...]  # what the file holds beside columns, and columns not used
     assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
     consistency: Consistency  # whether that goes with how the object moved
+    done: tuple[str, ...] = ()  # corrections
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
@@ -104,6 +105,7 @@ class Summary:
         if self.old_picture is not None:
             lines.append(f"{legible(self.old_picture)} was there before and shows another table")
         lines += [f"assumed {line}" for line in self.assumed]
+        lines += [f"corrected {line}" for line in self.done]
         lines += [self._motion(), *(f"warning: {each}" for each in self.consistency.warnings)]
         worst = self.worst
         lines.append(
@@ -179,6 +181,7 @@ class Collector:
         first_bad: str,
         left_out: tuple[str, ...],
         assumed: tuple[str, ...],
+        done: tuple[str, ...],
         consistency: Consistency,
         old_picture: Path | None = None,
     ) -> Summary:
@@ -200,6 +203,7 @@ class Collector:
             measures=tuple(kept.measure(name) for name, kept in self._columns.items()),
             left_out=left_out,
             assumed=assumed,
+            done=done,
             consistency=consistency,
             old_picture=old_picture,
         )

@@ -109,6 +109,12 @@ class Sink(ABC):
     def write(self, columns: Mapping[str, Column]) -> None:
         """Append rows; each column is ``(T,)``."""
 
+    def describe(self, done: Sequence[str]) -> None:  # noqa: B027
+        """Say within the file what was done to the recording, where the format has room for it.
+
+        Before it is closed, after rows were written.
+        """
+
     @abstractmethod
     def close(self) -> None:
         """Finish the file."""
