@@ -15,8 +15,43 @@ from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import legible
 from coopenv.logs.recording import Reader, naming
-from coopenv.logs.summary import Collector, Summary
+from coopenv.logs.summary import Checked, Collector, Summary
 from coopenv.wrench import Settings
+
+
+def check_file(
+    path: str | os.PathLike,
+    *,
+    layout: Layout | None = None,
+    bad_rows: str = "error",
+    report: Callable[[float], object] | None = None,
+) -> Checked:
+    """Compare a recording with its motion, without decomposing it; nothing is written.
+
+    Parameters
+    ----------
+    path, layout, bad_rows, report
+        See `decompose_file`. With mass and inertia in ``layout.body`` the comparison has numbers.
+
+    Raises
+    ------
+    InvalidInput
+        If the file, a column or a row is wrong; the message names file, line and column.
+    """
+    reader = Reader(path, layout, bad_rows=bad_rows)
+    check, rows = Check(reader.layout), 0
+    for recording in reader:
+        check.add(recording)
+        rows += len(recording)
+        if report is not None:
+            report(reader.progress)
+    return Checked(
+        rows=rows,
+        bad_rows=reader.faults.count,
+        assumed=reader.assumed,
+        done=reader.done,
+        consistency=check.result(),
+    )
 
 
 def decompose_file(

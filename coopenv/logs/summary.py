@@ -45,6 +45,44 @@ class Measure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Checked:
+    """Result of `coopenv.logs.check_file`."""
+
+    rows: int
+    bad_rows: int
+    assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
+    done: tuple[str, ...]  # corrections
+    consistency: Consistency  # whether that goes with how the object moved
+
+    def lines(self) -> list[str]:
+        """It in words."""
+        bad = f", {self.bad_rows:,} of them bad" if self.bad_rows else ""
+        lines = [f"{self.rows:,} rows{bad}"]
+        lines += [f"assumed {line}" for line in self.assumed]
+        lines += [f"corrected {line}" for line in self.done]
+        return lines + motion_lines(self.consistency)
+
+
+def motion_lines(consistency: Consistency) -> list[str]:
+    """How well what was assumed explains the motion, and warnings where it does not."""
+    lines = [_motion(consistency)]
+    if consistency.balance is not None:
+        lines += consistency.balance.lines()
+    return lines + [f"warning: {each}" for each in consistency.warnings]
+
+
+def _motion(consistency: Consistency) -> str:
+    if consistency.unchecked:
+        return f"not compared with the motion: {consistency.unchecked}"
+    parts = [
+        f"{100 * share:.0f} % of {name}"
+        for name, share in consistency.fit._asdict().items()
+        if not np.isnan(share)
+    ]
+    return f"motion explains, as assumed, {', '.join(parts)}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
     """Result of `coopenv.logs.decompose_file`."""
 
@@ -106,7 +144,7 @@ class Summary:
             lines.append(f"{legible(self.old_picture)} was there before and shows another table")
         lines += [f"assumed {line}" for line in self.assumed]
         lines += [f"corrected {line}" for line in self.done]
-        lines += [self._motion(), *(f"warning: {each}" for each in self.consistency.warnings)]
+        lines += motion_lines(self.consistency)
         worst = self.worst
         lines.append(
             f"worst residuals: balance {worst.balance:.1e} N or N·m, force {worst.force:.1e} N, "
@@ -114,17 +152,6 @@ class Summary:
             f"largest gap {self.gap:.1e} N; {self.fallbacks:,} fallbacks"
         )
         return lines
-
-    def _motion(self) -> str:
-        """How well what was assumed explains the motion."""
-        if self.consistency.unchecked:
-            return f"not compared with the motion: {self.consistency.unchecked}"
-        parts = [
-            f"{100 * share:.0f} % of {name}"
-            for name, share in self.consistency.fit._asdict().items()
-            if not np.isnan(share)
-        ]
-        return f"motion explains, as assumed, {', '.join(parts)}"
 
     def save(self, path: Path) -> None:
         """Write it as JSON; what is undefined is null."""
@@ -181,8 +208,8 @@ class Collector:
         first_bad: str,
         left_out: tuple[str, ...],
         assumed: tuple[str, ...],
-        done: tuple[str, ...],
         consistency: Consistency,
+        done: tuple[str, ...] = (),
         old_picture: Path | None = None,
     ) -> Summary:
         """Summary of all rows so far, with what only the caller knows."""

@@ -39,7 +39,7 @@ def planar(duration: float = 6.0) -> tuple[tuple[tuple[str, FloatArray], ...], t
     phase = np.random.default_rng(0).uniform(0, 6, (2, 3))
     for k in range(int(duration * RATE)):
         slow = np.sin(2 * np.pi * np.array([0.31, 0.43, 0.37]) * k / RATE + phase)
-        core.step(0.25 * slow[None])
+        core.step(0.8 * slow[None])
         step = core.transition
         assert step is not None
         state = step.state
