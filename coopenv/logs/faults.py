@@ -108,7 +108,7 @@ class Faults:
     def _not_finite(self, chunk: Chunk, *_: object):
         for name in self._required():
             column = self._plan.source[name]
-            called = f"column {column!r}" + (f" ({name})" if name != column else "")
+            called = chunk.called(column) + (f" ({name})" if name != column else "")
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (

@@ -33,7 +33,7 @@ class Corrected:
         self.torque_axes = range(3) if dimension == 3 else range(2, 3)
         self.bodies_pull = np.zeros(3)
         self.bodies_pull[:dimension] = body.pull(dimension)
-        self._mass = misfit.mass
+        self.mass = misfit.mass
         parts = [self._columns(each) for each in windows]
         self.keys = list(parts[0])
         self._place = {key: place for place, key in enumerate(self.keys)}
@@ -137,7 +137,7 @@ class Corrected:
             made["weight moment", a] = -np.hstack([nothing, turned])
             arm = windows.to_world(_everywhere(position, UNIT[a]))
             turned = -cross(_everywhere(force, UNIT[a]), force)
-            made["com", a] = np.hstack([-self._mass * windows.second(arm), turned])
+            made["com", a] = np.hstack([-self.mass * windows.second(arm), turned])
         return made
 
 

@@ -13,6 +13,7 @@ from coopenv.logs.layout import UNITS, Layout
 LEAST_TURN = np.radians(2.0)
 LEAST_OFFSET = 0.004  # [m]
 LEAST_MASS = 0.01  # [kg]
+MOST_LOAD = 0.5  # of the body's mass
 NEAR = 0.03  # of a factor between two units
 RANKS = {"units": 0, "load": 2, "rotation": 3, "offset": 3, "com": 3, "bias": 4, "gain": 4}
 
@@ -98,7 +99,8 @@ def weight(sums: Corrected) -> Iterator[Explanation]:
     keys = weights(sums)
     found = sums.fitted(keys)
     mass = float(found[0])
-    if abs(mass) < LEAST_MASS or not sums.bodies_pull.any():
+    light = LEAST_MASS < abs(mass) < MOST_LOAD * sums.mass
+    if not light or not sums.bodies_pull.any():
         return
     side = "hand" if mass > 0 else "object"
     yield Explanation(
@@ -121,7 +123,7 @@ def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
     keys += [("moment", i, a) for i in group for a in sums.force_axes]
     found = sums.fitted(keys)
     masses = found[: len(group)]
-    if np.abs(masses).max() < LEAST_MASS:
+    if not LEAST_MASS < np.abs(masses).sum() < MOST_LOAD * sums.mass:
         return
     alike = (masses > 0).all() or (masses < 0).all()
     side = "hand" if masses[0] > 0 else "object"

@@ -156,6 +156,8 @@ class Corrections:
     def _check(self, plan: Plan) -> None:
         """What goes together, and what the file has."""
         layout, twist = self._layout, plan.has(TWIST[plan.dimension])
+        if layout.body.mass is not None:
+            layout.body.inertia_matrix(plan.dimension)
         pose = plan.has([*POSITION[plan.dimension], *ORIENTATION[plan.dimension]])
         if layout.filters.twist_window is not None and twist:
             raise InvalidInput(

@@ -41,9 +41,9 @@ class _Oriented(Source):
     def __init__(self, source: Source, layout: Layout, used: tuple[str, ...]):
         self._source, self._used = source, used
         self._pose, self._angle = layout.pose, layout.factor("angle")
-        own = [name for name in source.columns if name not in used or name in MADE]
-        self._made = [name for name in MADE if name in used or name not in own]
-        self.columns = [*source.columns, *(name for name in self._made if name not in used)]
+        own = [name for name in source.columns if name not in used]
+        self._made = [name for name in MADE if name not in own]
+        self.columns = [*own, *self._made]
         self.left_out, self.grips = source.left_out, source.grips
 
     def chunks(self, numbers: Sequence[str], carried: Sequence[str]) -> Iterator[Chunk]:
@@ -91,6 +91,11 @@ class _OrientedChunk(Chunk):
 
     def place(self, row: int) -> str:
         return self.read.place(row)
+
+    def called(self, column: str) -> str:
+        if column not in self.made:
+            return self.read.called(column)
+        return f"columns {', '.join(self.used)}, which make {column!r},"
 
     def text(self, row: int, column: str) -> str:
         if column not in self.made:

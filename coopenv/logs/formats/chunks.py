@@ -38,6 +38,10 @@ class Chunk:
         """Name of a row of the chunk in messages, such as "row 17"."""
         return f"row {self.first_row + row}"
 
+    def called(self, column: str) -> str:
+        """Name of a column in messages."""
+        return f"column {column!r}"
+
     def text(self, row: int, column: str) -> str:
         """Content of the file in a row of the chunk and a column of numbers."""
         return str(self.numbers[column][row])

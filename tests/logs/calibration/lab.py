@@ -26,8 +26,6 @@ BIAS_SPACE = (
     np.array([-2.0, 5.0, -3.0, -0.4, 0.2, 0.6]),
 )
 DELAY = 0.04  # [s]
-SPACE = ("f1", "t1", "f2", "t2")
-EVERYTHING = frozenset({"rotation", "offset", "bias", "handle", "order", "units"})
 
 
 @cache
@@ -56,30 +54,50 @@ def spatial(duration: float = 6.0) -> tuple[tuple[str, FloatArray], ...]:
     return tuple((name, each) for name, each in columns.items() if name[0] not in "vo")
 
 
-def written_in_the_plane(without: str = "") -> dict[str, Any]:
-    """The planar episode as the laboratory writes it, ``without`` one of its habits."""
+def written_in_the_plane() -> dict[str, Any]:
+    """The planar episode as the laboratory writes it."""
     episode, _ = planar()
     columns = dict(episode)
     time = columns["time"]
     c, s = np.cos(ANGLE), np.sin(ANGLE)
     for i in (1, 2):
-        fx, fy, t = (columns[f"{name}"].copy() for name in (f"f{i}x", f"f{i}y", f"t{i}z"))
-        if without != "rotation":
-            fx, fy = c * fx + s * fy, c * fy - s * fx
-        if without != "offset":  # the grip is OFFSET along the sensor's x
-            t = t + OFFSET * fy
-        read = np.stack([fx, fy, t]) * ((without == "sign" and 1.0) or -1.0)
-        if without != "bias":
-            read += BIAS[i - 1][:, None]
-        if without != "units":
-            read /= np.array([[POUND], [POUND], [POUND * 0.0254]])
+        fx, fy, t = (columns[name] for name in (f"f{i}x", f"f{i}y", f"t{i}z"))
+        fx, fy = c * fx + s * fy, c * fy - s * fx  # along the sensor's axes
+        read = -np.stack([fx, fy, t + OFFSET * fy])  # the reaction, at the end of an arm
+        read += BIAS[i - 1][:, None]
+        read /= np.array([[POUND], [POUND], [POUND * 0.0254]])
         columns |= dict(zip((f"f{i}x", f"f{i}y", f"t{i}z"), read, strict=True))
-    if without != "delay":
-        for name in ("x", "y", "theta"):
-            columns[name] = np.interp(time - DELAY, time, columns[name])
-    if without != "degrees":
-        columns["theta"] = np.degrees(columns["theta"])
+    for name in ("x", "y", "theta"):
+        columns[name] = np.interp(time - DELAY, time, columns[name])
+    columns["theta"] = np.degrees(columns["theta"])
     return columns
+
+
+def layout_in_the_plane(without: str = "") -> dict[str, Any]:
+    """What that laboratory declares, ``without`` one thing."""
+    unit = np.array([POUND, POUND, POUND * 0.0254])
+    sensors: dict[str, dict] = {
+        str(i): {
+            "sign": -1,
+            "rotation": 30.0,
+            "offset": [OFFSET, 0.0],
+            "tare": (BIAS[i - 1] / unit).tolist(),
+        }
+        for i in (1, 2)
+    }
+    said: dict[str, Any] = {"angle": "deg", "force": "lbf", "torque": "lbf*in"}
+    said |= {"sensors": sensors, "pose": {"delay": DELAY}, "grips": planar()[1]}
+    for sensor in sensors.values():
+        sensor.pop(without, None)
+    for name in {"delay": ("pose",), "units": ("force", "torque")}.get(without, ()):
+        del said[name]
+    if without == "degrees":
+        del said["angle"]
+        for sensor in sensors.values():
+            sensor["rotation"] = float(ANGLE)
+    if without == "grips":
+        said["grips"] = said["grips"][::-1]
+    return said
 
 
 def written_in_space(*habits: str) -> dict[str, Any]:
