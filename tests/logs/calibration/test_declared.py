@@ -44,7 +44,7 @@ BEAM = [-0.9, 0.1, 0.9, -0.2]
         ("[sensors.1.load]\ncenter = [0, 0]", "sensors.1.load must have its keys, got center"),
         ("[sensors.1.load]\nmass = -1", "sensors.1.load.mass must be zero or positive, got -1"),
         ("[sensors.1.load]\nmass = 1\ninertia = 0.1", "load.window must be said where"),
-        ('[sensors.1.load]\nmass = 1\nside = "arm"', "sensors.1.load.side must be one of the known"),
+        ('[sensors.1.load]\nmass = 1\nside = "arm"', "load.side must be one of the known"),
         ('[pose]\norientation = "matrix"', "pose.columns must name the 9 columns of a matrix"),
         ('[pose]\norientation = "euler"\ncolumns = ["a"]', "pose.order must be three axes"),
         ('[pose]\ncolumns = ["a", "b", "c", "d"]', "pose.columns must be columns of the file"),
