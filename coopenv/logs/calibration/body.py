@@ -8,7 +8,7 @@ import numpy as np
 from coopenv.arrays import FloatArray, positive
 from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.load import checked_inertia
-from coopenv.logs.calibration.stated import vector
+from coopenv.logs.calibration.stated import LARGEST, vector
 
 STANDARD = 9.80665  # [m/s²]
 
@@ -26,7 +26,7 @@ class Body:
         """With every field checked; ``key`` names it in errors."""
         mass, inertia, gravity = self.mass, self.inertia, self.gravity
         if mass is not None:
-            mass = positive(mass, f"{key}.mass", unit="kg")
+            mass = positive(mass, f"{key}.mass", unit="kg", at_least=1e-9, at_most=LARGEST)
         if inertia is not None:
             inertia = checked_inertia(inertia, f"{key}.inertia")
         if (mass is None) != (inertia is None):

@@ -7,7 +7,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, positive, stated_array
 from coopenv.errors import InvalidInput
-from coopenv.logs.calibration.stated import choice, vector_or_nothing
+from coopenv.logs.calibration.stated import LARGEST, choice, vector_or_nothing
 from coopenv.wrench.grasp import moment
 
 SIDES = ("hand", "object")
@@ -38,7 +38,7 @@ class Load:
                 "seconds acceleration is found, such as 0.1"
             )
         return Load(
-            mass=positive(self.mass, f"{key}.mass", unit="kg", or_zero=True),
+            mass=positive(self.mass, f"{key}.mass", unit="kg", or_zero=True, at_most=LARGEST),
             center=vector_or_nothing(self.center, f"{key}.center"),
             inertia=inertia,
             side=choice(self.side, f"{key}.side", SIDES),
@@ -95,10 +95,11 @@ def checked_inertia(value: Any, key: str) -> Any:
     A float, or a tuple of rows.
     """
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return positive(value, key, unit="kg m²", or_zero=True)
+        return positive(value, key, unit="kg m²", or_zero=True, at_most=LARGEST)
     matrix = stated_array(value, key)
     matrix = np.diag(matrix) if matrix.shape == (3,) else matrix
-    fits = matrix.shape == (3, 3) and np.allclose(matrix, matrix.T, rtol=1e-6, atol=1e-12)
+    fits = matrix.shape == (3, 3) and np.abs(matrix).max() <= LARGEST
+    fits = fits and np.allclose(matrix, matrix.T, rtol=1e-6, atol=1e-12)
     if not fits or np.linalg.eigvalsh(matrix)[0] < -1e-12:
         raise InvalidInput(
             f"{key} must be a number in the plane, in space three or a symmetric matrix of 3 by 3 "

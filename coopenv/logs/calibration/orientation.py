@@ -91,7 +91,7 @@ def are_rotations(matrix: FloatArray) -> npt.NDArray[np.bool_]:
 
 def checked_order(kind: str, order: str | None, key: str) -> str:
     """The order of an orientation of that kind, by default the first that is known."""
-    if kind not in COUNTS:
+    if not isinstance(kind, str) or kind not in COUNTS:
         raise UnknownName("kind of orientation", kind, COUNTS)
     if kind == "euler":
         fits = isinstance(order, str) and SEQUENCE.fullmatch(order)

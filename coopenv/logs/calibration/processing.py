@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from coopenv.arrays import positive, whole
+from coopenv.arrays import number, positive, whole
 from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.orientation import COUNTS, checked_order
 from coopenv.logs.calibration.stated import vector_or_nothing
@@ -37,16 +37,15 @@ class Pose:
             )
         if len(set(columns)) < len(columns):
             raise InvalidInput(f"{key}.columns must differ, got {list(columns)}; correct them")
-        delay = self.delay
+        delay = number(self.delay, f"{key}.delay")
         if delay:
-            late = positive(abs(delay), f"{key}.delay", unit="s", at_most=MOST_DELAY)
-            delay = late if delay > 0 else -late
+            positive(abs(delay), f"{key}.delay", unit="s", at_most=MOST_DELAY)
         return Pose(
             orientation=self.orientation,
             columns=tuple(columns),
             order=order,
             com=vector_or_nothing(self.com, f"{key}.com"),
-            delay=float(delay),
+            delay=delay,
         )
 
 

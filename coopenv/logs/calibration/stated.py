@@ -64,6 +64,8 @@ def square(value: Any, key: str, sizes: Iterable[int]) -> tuple[tuple[float, ...
         raise InvalidInput(
             f"{key} must be a matrix of {rule}, got shape {given.shape}; list its rows"
         )
+    if abs(given).max() > LARGEST:
+        raise InvalidInput(f"{key} must be at most {LARGEST:g}, got {value!r}; correct it")
     return tuple(map(tuple, given.tolist()))
 
 
