@@ -9,13 +9,14 @@ from coopenv.errors import InvalidInput
 from coopenv.files import require_file, require_writable, writing, written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.consistency import Check
+from coopenv.logs.consistency.told import Checked
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import find_format, open_sink
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import legible
 from coopenv.logs.recording import Reader, naming
-from coopenv.logs.summary import Checked, Collector, Summary
+from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
 
 

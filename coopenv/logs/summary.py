@@ -11,6 +11,7 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.analysis import Analysis, Worst
 from coopenv.logs.consistency import Consistency
+from coopenv.logs.consistency.told import motion_lines
 from coopenv.logs.limits import legible
 from coopenv.logs.recording import Recording
 
@@ -42,44 +43,6 @@ class Measure:
     high: float  # 95th percentile
     largest: float
     undefined: float  # share of the good rows, in [0, 1]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Checked:
-    """Result of `coopenv.logs.check_file`."""
-
-    rows: int
-    bad_rows: int
-    assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
-    done: tuple[str, ...]  # corrections
-    consistency: Consistency  # whether that goes with how the object moved
-
-    def lines(self) -> list[str]:
-        """It in words."""
-        bad = f", {self.bad_rows:,} of them bad" if self.bad_rows else ""
-        lines = [f"{self.rows:,} rows{bad}"]
-        lines += [f"assumed {line}" for line in self.assumed]
-        lines += [f"corrected {line}" for line in self.done]
-        return lines + motion_lines(self.consistency)
-
-
-def motion_lines(consistency: Consistency) -> list[str]:
-    """How well what was assumed explains the motion, and warnings where it does not."""
-    lines = [_motion(consistency)]
-    if consistency.balance is not None:
-        lines += consistency.balance.lines()
-    return lines + [f"warning: {each}" for each in consistency.warnings]
-
-
-def _motion(consistency: Consistency) -> str:
-    if consistency.unchecked:
-        return f"not compared with the motion: {consistency.unchecked}"
-    parts = [
-        f"{100 * share:.0f} % of {name}"
-        for name, share in consistency.fit._asdict().items()
-        if not np.isnan(share)
-    ]
-    return f"motion explains, as assumed, {', '.join(parts)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

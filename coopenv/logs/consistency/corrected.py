@@ -105,28 +105,7 @@ class Corrected:
         pull = windows.mean(np.broadcast_to(self.bodies_pull, position.shape))
         unit = [windows.mean(windows.to_world(_everywhere(position, axis))) for axis in UNIT]
         for i in range(self.num_effectors):
-            grips = motion.grips[:, i]
-            for kind, axes in (("force", self.force_axes), ("torque", self.torque_axes)):
-                read = motion.force[:, i] if kind == "force" else motion.torque[:, i]
-                for a in axes:
-                    for b in axes:
-                        vectors = read[:, [b]] * UNIT[a]
-                        mean = windows.mean(windows.to_world(vectors))
-                        if kind == "torque":
-                            made[kind, i, a, b] = np.hstack([nothing, mean])
-                            continue
-                        lever = windows.mean(windows.to_world(cross(grips, vectors)))
-                        made[kind, i, a, b] = np.hstack([mean, lever])
-            for a in self.force_axes:
-                arm = cross(_everywhere(position, UNIT[a]), motion.force[:, i])
-                moved = -windows.mean(windows.to_world(arm))
-                made["offset", i, a] = np.hstack([nothing, moved])
-            middle = windows.middle(grips)
-            moving = pull - windows.second(position + windows.to_world(grips))
-            made["mass", i] = -np.hstack([moving, cross(middle, moving)])
-            for a in self.force_axes:
-                turned = cross(_everywhere(moving, UNIT[a]), moving)
-                made["moment", i, a] = -np.hstack([nothing, turned])
+            made |= self._of_sensor(windows, i, pull)
         made["weight",] = -np.hstack([pull, nothing])
         force = windows.acting()[0]
         for a in self.torque_axes:
@@ -138,6 +117,34 @@ class Corrected:
             arm = windows.to_world(_everywhere(position, UNIT[a]))
             turned = -cross(_everywhere(force, UNIT[a]), force)
             made["com", a] = np.hstack([-self.mass * windows.second(arm), turned])
+        return made
+
+    def _of_sensor(self, windows: Windows, i: int, pull: FloatArray) -> dict[Key, FloatArray]:
+        """Those of one sensor."""
+        motion, made = windows.motion, {}
+        position, grips = motion.position, motion.grips[:, i]
+        nothing = np.zeros((len(windows), 3))
+        for kind, axes in (("force", self.force_axes), ("torque", self.torque_axes)):
+            read = motion.force[:, i] if kind == "force" else motion.torque[:, i]
+            for a in axes:
+                for b in axes:
+                    vectors = read[:, [b]] * UNIT[a]
+                    mean = windows.mean(windows.to_world(vectors))
+                    if kind == "torque":
+                        made[kind, i, a, b] = np.hstack([nothing, mean])
+                        continue
+                    lever = windows.mean(windows.to_world(cross(grips, vectors)))
+                    made[kind, i, a, b] = np.hstack([mean, lever])
+        for a in self.force_axes:
+            arm = cross(_everywhere(position, UNIT[a]), motion.force[:, i])
+            moved = -windows.mean(windows.to_world(arm))
+            made["offset", i, a] = np.hstack([nothing, moved])
+        middle = windows.middle(grips)
+        moving = pull - windows.second(position + windows.to_world(grips))
+        made["mass", i] = -np.hstack([moving, cross(middle, moving)])
+        for a in self.force_axes:
+            turned = cross(_everywhere(moving, UNIT[a]), moving)
+            made["moment", i, a] = -np.hstack([nothing, turned])
         return made
 
 

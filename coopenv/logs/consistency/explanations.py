@@ -26,7 +26,7 @@ from coopenv.logs.consistency.known import Motion, Windows
 from coopenv.logs.consistency.misfit import Misfit
 from coopenv.logs.layout import UNITS, Layout
 
-DOUBT = 0.002  # share that is left, above which a mistake is looked for
+DOUBT = 0.0005  # share that is left, above which a mistake is looked for
 BETTER = 0.3  # of it, that a mistake may leave
 ENOUGH = 0.2  # and the most that one may leave
 ALIKE = 2.0  # times what the best leaves: as good

@@ -4,6 +4,7 @@ The corruptions are written here anew, sample by sample, not as the inverse of w
 """
 
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import coopenv
 from coopenv.arrays import FloatArray
+from coopenv.logs import Layout, read
 from tests.logs import motions
 
 RATE = 1000  # [Hz]
@@ -28,12 +30,22 @@ BIAS_SPACE = (
 DELAY = 0.04  # [s]
 
 
+def declared(**said: Any) -> Layout:
+    """A layout, whose tables may be as files have them."""
+    return Layout(**said)
+
+
+def seen_in(path: Path, **said: Any) -> Any:
+    """The recording of a file."""
+    return read(path, declared(**said))
+
+
 @cache
 def planar(duration: float = 6.0) -> tuple[tuple[tuple[str, FloatArray], ...], tuple]:
     """An episode of the transport environment at 1 kHz: columns in SI units, and the grips."""
     core = coopenv.Transport(num_worlds=1, dt=1 / RATE, substeps=1, horizon=10**6)
     core.reset(seed=3)
-    rows = []
+    rows, grips = [], ()
     phase = np.random.default_rng(0).uniform(0, 6, (2, 3))
     for k in range(int(duration * RATE)):
         slow = np.sin(2 * np.pi * np.array([0.31, 0.43, 0.37]) * k / RATE + phase)
@@ -42,8 +54,8 @@ def planar(duration: float = 6.0) -> tuple[tuple[tuple[str, FloatArray], ...], t
         assert step is not None
         state = step.state
         rows.append([state.time[0], *step.applied[0].ravel(), *state.pose[0]])
+        grips = tuple(map(tuple, step.team.grips.reshape(-1, 2).tolist()))
     names = ("time", "f1x", "f1y", "t1z", "f2x", "f2y", "t2z", "x", "y", "theta")
-    grips = tuple(map(tuple, step.team.grips.reshape(-1, 2).tolist()))
     return tuple(zip(names, np.array(rows).T, strict=True)), grips
 
 

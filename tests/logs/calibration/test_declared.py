@@ -1,6 +1,7 @@
 """A layout's tables on sensors, pose, filters and body: wrong keys and values are named."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +13,13 @@ from coopenv import cli
 from coopenv.errors import CoopenvError
 from coopenv.logs import Layout, decompose_file, read
 from tests.logs import cases
+from tests.logs.calibration.lab import declared
 
 BEAM = [-0.9, 0.1, 0.9, -0.2]
+
+
+def _read(*path: Any, **said: Any) -> Any:
+    return read(*path, **said)
 
 
 @pytest.mark.parametrize(
@@ -90,10 +96,10 @@ def test_a_correction_without_its_columns_asks_for_them(tmp_path):
         ({"pose": {"delay": 0.1}}, "pose.delay must be left out"),
     ):
         with pytest.raises(CoopenvError, match=f"column {column} must be there|{column}"):
-            read(path, Layout(grips=BEAM, **said))
+            _read(path, declared(grips=BEAM, **said))
     path = cases.save({n: bare[n] for n in bare if n != "time"}, tmp_path / "b.npz")
     with pytest.raises(CoopenvError, match="column time must be there"):
-        read(path, Layout(grips=BEAM, filters={"wrench": 5.0}))
+        _read(path, declared(grips=BEAM, filters={"wrench": 5.0}))
 
 
 ORIENTED = ("quaternion", "matrix", "euler")
@@ -103,7 +109,7 @@ ORIENTED = ("quaternion", "matrix", "euler")
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
 def test_orientations_are_read_from_columns_of_any_convention(kind, suffix, tmp_path):
     columns = cases.spatial()
-    wanted = read(cases.save(columns, tmp_path / f"a{suffix}"), Layout(frame="world"))
+    wanted = _read(cases.save(columns, tmp_path / f"a{suffix}"), declared(frame="world"))
     xyzw = np.stack([columns.pop(f"q{axis}") for axis in "xyzw"], axis=-1)
     turn = Rotation.from_quat(xyzw)
     values, order = {
@@ -116,36 +122,36 @@ def test_orientations_are_read_from_columns_of_any_convention(kind, suffix, tmp_
     said = {"frame": "world", "angle": "deg", "angular_velocity": "rad/s"}
     pose = {"orientation": kind, "columns": names, "order": order}
     path = cases.save(columns, tmp_path / f"b{suffix}")
-    seen = read(path, Layout(**said, pose=pose))
+    seen = _read(path, declared(**said, pose=pose))
     np.testing.assert_allclose(seen.applied, wanted.applied, rtol=0, atol=1e-12)
     assert not seen.carried
     columns["o1"] = columns["o1"].copy()
     columns["o1"][2] = np.nan
     path = cases.save(columns, tmp_path / f"c{suffix}")
     with pytest.raises(CoopenvError, match=r"(line 4|row 3), columns o0, o1, .*make 'q[wy]', must"):
-        read(path, Layout(**said, pose=pose))
+        _read(path, declared(**said, pose=pose))
 
 
 def test_a_block_of_poses_may_have_w_last(tmp_path):
     columns = cases.spatial()
-    wanted = read(cases.save(columns, tmp_path / "a.npz"), Layout(frame="world"))
+    wanted = _read(cases.save(columns, tmp_path / "a.npz"), declared(frame="world"))
     names = ("x", "y", "z", "qx", "qy", "qz", "qw")
     rest = {name: each for name, each in columns.items() if name not in names}
     pose = np.stack([columns[name] for name in names], axis=-1)
     np.savez(tmp_path / "b.npz", pose=pose, **rest)
-    seen = read(tmp_path / "b.npz", Layout(frame="world", pose={"order": "xyzw"}))
+    seen = _read(tmp_path / "b.npz", declared(frame="world", pose={"order": "xyzw"}))
     np.testing.assert_allclose(seen.applied, wanted.applied, rtol=0, atol=1e-12)
 
 
 def test_a_spatial_orientation_serves_a_planar_task(tmp_path):
     columns = cases.planar()
-    wanted = read(cases.save(columns, tmp_path / "a.npz"), Layout(frame="world", grips=BEAM))
+    wanted = _read(cases.save(columns, tmp_path / "a.npz"), declared(frame="world", grips=BEAM))
     theta = columns.pop("theta")
     turned = Rotation.from_euler("z", theta[:, None]).as_quat()
     columns |= dict(zip(("a", "b", "c", "d"), turned.T, strict=True))
     pose = {"columns": ["a", "b", "c", "d"], "order": "xyzw"}
     path = cases.save(columns, tmp_path / "b.npz")
-    seen = read(path, Layout(frame="world", grips=BEAM, pose=pose))
+    seen = _read(path, declared(frame="world", grips=BEAM, pose=pose))
     np.testing.assert_allclose(seen.applied, wanted.applied, rtol=0, atol=1e-12)
 
 
@@ -153,7 +159,7 @@ def test_a_spatial_orientation_serves_a_planar_task(tmp_path):
 def test_the_table_and_its_summary_say_what_was_done(suffix, tmp_path):
     path = cases.save(cases.planar(), tmp_path / f"a{suffix}")
     out = tmp_path / f"out{suffix}"
-    layout = Layout(grips=BEAM, sensors={1: {"sign": -1}}, filters={"wrench": 20.0})
+    layout = declared(grips=BEAM, sensors={1: {"sign": -1}}, filters={"wrench": 20.0})
     summary = decompose_file(path, out, layout=layout, picture=False)
     assert summary.done[0] == "sensor 1: sign turned"
     assert "Butterworth of order 2 at 20 Hz" in summary.done[1]
@@ -168,15 +174,15 @@ def test_the_table_and_its_summary_say_what_was_done(suffix, tmp_path):
         said = json.loads(parquet.read_metadata(out).metadata[b"corrections"])
     assert said in (None, list(summary.done))
     assert (said is None) == (suffix == ".csv")
-    again = read(out, Layout())  # a table is a recording
-    np.testing.assert_array_equal(again.applied[:, 1], read(path, layout).applied[:, 1])
+    again = _read(out, declared())  # a table is a recording
+    np.testing.assert_array_equal(again.applied[:, 1], _read(path, layout).applied[:, 1])
 
 
 def test_what_is_not_asked_for_changes_nothing(tmp_path):
     path = cases.save(cases.planar(), tmp_path / "a.npz")
-    seen = read(path, Layout(grips=BEAM))
+    seen = _read(path, declared(grips=BEAM))
     assert seen.done == ()
     np.testing.assert_array_equal(seen.applied, cases.wrench(cases.planar()))
-    summary = decompose_file(path, layout=Layout(grips=BEAM), picture=False)
+    summary = decompose_file(path, layout=declared(grips=BEAM), picture=False)
     with np.load(summary.table) as table:
         assert "corrections" not in table

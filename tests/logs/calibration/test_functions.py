@@ -1,12 +1,15 @@
 """What a correction gives back is what was there before a laboratory's error, made otherwise."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.logs import calibration as c
+from coopenv.logs import calibration
 
+c: Any = calibration  # arrays of any kind may be given
 RNG = np.random.default_rng(5)
 SPATIAL = RNG.normal(size=(50, 6)) * [20, 20, 20, 3, 3, 3]
 PLANAR = RNG.normal(size=(50, 3)) * [20, 20, 3]

@@ -1,12 +1,13 @@
 """With a known body, what was left out of the layout of a laboratory is named."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
 
 from coopenv import cli
-from coopenv.logs import Layout, check_file
+from coopenv.logs import check_file
 from tests.logs import cases, motions
 from tests.logs.calibration import lab
 
@@ -23,8 +24,8 @@ def files(tmp_path_factory):
     return plane, space
 
 
-def balance(path, body, said):
-    return check_file(path, layout=Layout(**said, body=body)).consistency
+def balance(path, body, said) -> Any:
+    return check_file(path, layout=lab.declared(**said, body=body)).consistency
 
 
 def test_a_laboratory_that_declares_everything_is_found_right(files):

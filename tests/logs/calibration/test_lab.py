@@ -1,5 +1,7 @@
 """A laboratory's habits, declared in one layout, leave the measures as they are."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,8 +13,8 @@ MEASURES = ("internal_force_level", "internal_torque_level", "relative_cost")
 HABITS = ("rotation", "offset", "bias", "handle", "order", "units")
 
 
-def recorded(columns, path, **layout):
-    return read(cases.save(columns, path), Layout(**layout))
+def recorded(columns, path, **layout) -> Any:
+    return lab.seen_in(cases.save(columns, path), **layout)
 
 
 def measured(recording, every):
@@ -100,13 +102,17 @@ def test_a_rest_gives_the_bias_though_a_handle_hangs_there(truth, folder):
     for name in names:  # what the hands add is not there
         hands_off[name] = hands_off[name] - np.where(still["time"] < 1.0, bare[name], 0.0)
     wanted = np.stack([still[name] for name in names], axis=-1)
-    for tare in ({"first": 0.99}, {"rests": [[0.0, 0.5]]}, {"rests": [[0.0, 0.3], [0.5, 0.9]]}):
+    for tare, words in (
+        ({"first": 0.99}, "bias ("),
+        ({"rests": [[0.0, 0.5]]}, "bias ("),
+        ({"rests": [[0.0, 0.3], [0.5, 0.9]]}, "bias from"),
+    ):
         for sensor in said["sensors"].values():
             sensor["tare"] = tare
         seen = recorded(hands_off, folder / "e.npz", **said)
         force, torque = seen.applied[..., :3].reshape(-1, 6), seen.applied[..., 3:].reshape(-1, 6)
         np.testing.assert_allclose(np.hstack([force, torque]), wanted, rtol=0, atol=1e-9)
-        assert ("bias from" if len(tare.get("rests", ())) > 1 else "bias (") in seen.done[0]
+        assert words in seen.done[0]
     zero = {name: each[:500] for name, each in hands_off.items()}
     cases.save(zero, folder / "zero.npz")
     (folder / "lab.toml").write_text(

@@ -1,17 +1,23 @@
 """Corrections of a file that is read some rows at a time are those of the whole of it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from coopenv.errors import InvalidInput
-from coopenv.logs import Layout, read
+from coopenv.logs import read
 from tests.logs import cases, motions
+from tests.logs.calibration.lab import declared
 
 BEAM = ((-0.9, 0.1), (0.9, -0.2))
 FIELDS = ("time", "applied", "position", "orientation", "twist", "good", "trial")
+
+
+def _read(*path: Any, **said: Any) -> Any:
+    return read(*path, **said)
 
 
 def two_trials(rows=600):
@@ -23,9 +29,9 @@ def two_trials(rows=600):
     return columns | {"trial": trial}
 
 
-def everything(**filters):
+def everything(**filters) -> Any:
     sensors = {1: {"load": {"mass": 0.3, "center": [0.0, 0.05], "inertia": 0.001, "window": 0.06}}}
-    return Layout(
+    return declared(
         grips=BEAM,
         sensors=sensors,
         pose={"delay": 0.025, "com": [0.1, -0.05]},
@@ -39,10 +45,10 @@ def test_how_many_rows_are_read_at_once_does_not_matter(rate, tmp_path, monkeypa
     columns = two_trials()
     columns["f1x"][400] = np.nan  # a bad row parts what comes before from what comes after
     path = cases.save(columns, tmp_path / "a.npz")
-    whole = read(path, everything(rate=rate), bad_rows="skip")
+    whole = _read(path, everything(rate=rate), bad_rows="skip")
     for rows in (13, 64):
         cases.set_chunk(rows, monkeypatch)
-        parts = read(path, everything(rate=rate), bad_rows="skip")
+        parts = _read(path, everything(rate=rate), bad_rows="skip")
         assert len(parts) == len(whole)
         for name in FIELDS:
             one, other = getattr(parts, name), getattr(whole, name)
@@ -53,8 +59,8 @@ def test_a_filtered_run_is_what_scipy_makes_of_the_whole_run(tmp_path, monkeypat
     columns = {name: each for name, each in two_trials().items() if name != "trial"}
     columns["time"] = np.arange(600) * 0.01
     cases.set_chunk(50, monkeypatch)
-    said = Layout(grips=BEAM, filters={"wrench": 10.0, "order": 3})
-    seen = read(cases.save(columns, tmp_path / "a.npz"), said)
+    said = declared(grips=BEAM, filters={"wrench": 10.0, "order": 3})
+    seen = _read(cases.save(columns, tmp_path / "a.npz"), said)
     sections = butter(3, 10.0, output="sos", fs=100.0)
     wanted = sosfiltfilt(sections, columns["f1x"])
     np.testing.assert_allclose(seen.applied[:, 0, 0], wanted, rtol=0, atol=1e-9)
@@ -68,8 +74,8 @@ def test_uneven_times_are_filtered_as_even_ones_of_the_same_motion(tmp_path):
     for name, at in (("even", time), ("uneven", uneven)):
         columns = cases.planar(900)
         columns |= {f"f{i}x": np.sin(2 * at + i) for i in (1, 2)} | {"time": at}
-        said = Layout(grips=BEAM, filters={"wrench": 10.0})
-        slow[name] = read(cases.save(columns, tmp_path / f"{name}.npz"), said)
+        said = declared(grips=BEAM, filters={"wrench": 10.0})
+        slow[name] = _read(cases.save(columns, tmp_path / f"{name}.npz"), said)
     wanted = np.sin(2 * uneven + 1)
     np.testing.assert_allclose(slow["uneven"].applied[50:-50, 0, 0], wanted[50:-50], atol=2e-3)
 
@@ -77,8 +83,8 @@ def test_uneven_times_are_filtered_as_even_ones_of_the_same_motion(tmp_path):
 def test_rows_between_rows_are_on_the_line_and_carry_what_was_before(tmp_path):
     columns = cases.planar(11) | {"note": np.array(list("abcdefghijk"))}
     columns["f1x"] = np.arange(11.0)
-    said = Layout(grips=BEAM, filters={"rate": 250.0})
-    seen = read(cases.save(columns, tmp_path / "a.npz"), said)
+    said = declared(grips=BEAM, filters={"rate": 250.0})
+    seen = _read(cases.save(columns, tmp_path / "a.npz"), said)
     assert len(seen) == 26
     np.testing.assert_allclose(seen.time, np.arange(26) * 0.004)
     np.testing.assert_allclose(seen.applied[:, 0, 0], np.arange(26) * 0.4)
@@ -95,10 +101,10 @@ def test_a_tracked_origin_is_moved_to_the_centre_of_mass(tmp_path):
     tracked["y"] = columns["y"] - (s * com[0] + c * com[1])
     tracked["vx"] = columns["vx"] + columns["omega"] * com[1]  # v_origin = v − ω × com
     tracked["vy"] = columns["vy"] - columns["omega"] * com[0]
-    wanted = read(cases.save(columns, tmp_path / "a.npz"), Layout(grips=BEAM))
+    wanted = _read(cases.save(columns, tmp_path / "a.npz"), declared(grips=BEAM))
     grips = tuple(tuple(grip) for grip in (np.array(BEAM) + com).tolist())
-    said = Layout(grips=grips, pose={"com": com.tolist()})
-    seen = read(cases.save(tracked, tmp_path / "b.npz"), said)
+    said = declared(grips=grips, pose={"com": com.tolist()})
+    seen = _read(cases.save(tracked, tmp_path / "b.npz"), said)
     for name in ("position", "twist", "grips", "applied"):
         one, other = getattr(seen, name), getattr(wanted, name)
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-12, err_msg=name)
@@ -127,8 +133,8 @@ def test_y_down_turns_what_is_declared_over_too(tmp_path):
         pose={"delay": 0.025, "com": [0.1, 0.05]},
         body={"gravity": [0.0, 9.81]},
     )
-    one = read(cases.save(columns, tmp_path / "a.npz"), up)
-    other = read(cases.save(down, tmp_path / "b.npz"), said)
+    one = _read(cases.save(columns, tmp_path / "a.npz"), up)
+    other = _read(cases.save(down, tmp_path / "b.npz"), said)
     for name in ("applied", "grips", "position", "orientation"):
         got, wanted = getattr(other, name), getattr(one, name)
         np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-9, err_msg=name)
@@ -142,8 +148,8 @@ def test_a_handle_that_is_swung_costs_the_hand_what_its_particles_do(tmp_path):
     columns = {"time": time, "x": zero, "y": zero, "theta": spin * time}
     columns |= {name: zero for name in ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z")}
     sensors = {2: {"load": {"mass": mass, "center": [0.1, 0.0], "window": 0.05}}}
-    said = Layout(grips=(-arm, 0.0, arm, 0.0), sensors=sensors)
-    seen = read(cases.save(columns, tmp_path / "a.npz"), said)
+    said = declared(grips=(-arm, 0.0, arm, 0.0), sensors=sensors)
+    seen = _read(cases.save(columns, tmp_path / "a.npz"), said)
     # the hand draws the handle inwards: towards −x of the object
     wanted = [-mass * spin**2 * (arm + 0.1), 0.0, 0.0]
     np.testing.assert_allclose(seen.applied[10:-10, 1], np.tile(wanted, (580, 1)), atol=1e-6)
@@ -152,8 +158,8 @@ def test_a_handle_that_is_swung_costs_the_hand_what_its_particles_do(tmp_path):
 
 def test_a_filter_that_would_hold_too_many_rows_is_refused(tmp_path):
     path = cases.save(cases.planar(50), tmp_path / "a.npz")
-    said = Layout(grips=BEAM, filters={"wrench": 0.0001})
+    said = declared(grips=BEAM, filters={"wrench": 0.0001})
     with pytest.raises(InvalidInput, match="filters must reach over at most 200,000 rows"):
-        read(path, said)
+        _read(path, said)
     with pytest.raises(InvalidInput, match="cutoff must be below half the rate of 100 Hz"):
-        read(path, Layout(grips=BEAM, filters={"wrench": 60.0}))
+        _read(path, declared(grips=BEAM, filters={"wrench": 60.0}))
