@@ -48,6 +48,7 @@ class Corrections:
     def __init__(self, path: str, layout: Layout, plan: Plan, opener: Opener):
         self._path, self._layout, self._opener = path, layout, opener
         self.done: tuple[str, ...] = ()
+        self._late = 0  # rows for which no pose came
         for number in layout.sensors:
             if number > plan.num_effectors:
                 raise InvalidInput(
@@ -71,13 +72,16 @@ class Corrections:
             yield from recordings
             return
         biases = find_biases(self._path, layout, self._opener)
-        self.done = sentences(layout, biases)
+        self.done, self._late = sentences(layout, biases), 0
         for step in self._steps(biases):
             recordings = step(recordings)
         rows = 0
         for recording in recordings:
             rows += len(recording)
             yield replace(recording, done=self.done)
+        if self._late:
+            told = f"delay: for {self._late:,} rows at ends of trials no pose came: no results"
+            self.done = (*self.done, told)
         if not rows:
             raise InvalidInput(
                 f"{self._path} must have good rows to be resampled, got none; leave out "
@@ -90,7 +94,7 @@ class Corrections:
         if self._com.any():
             yield lambda rows: map(self._centred, rows)
         if layout.pose.delay:
-            yield lambda rows: earlier(rows, layout.pose.delay)
+            yield self._earlier
         if filters.twist_window is not None:
             window = filters.twist_window
             yield lambda rows: with_twist(rows, window)
@@ -103,6 +107,18 @@ class Corrections:
         if filters.rate is not None:
             rate = filters.rate
             yield lambda rows: at_rate(rows, rate)
+
+    def _earlier(self, recordings: Iterable[Recording]) -> Iterator[Recording]:
+        """With the delay of the pose taken off; counts rows for which none came."""
+
+        def known() -> Iterator[Recording]:
+            for recording in recordings:
+                self._late -= int((~recording.good).sum())
+                yield recording
+
+        for recording in earlier(known(), self._layout.pose.delay):
+            self._late += int((~recording.good).sum())
+            yield recording
 
     def _centred(self, recording: Recording) -> Recording:
         """From the tracked origin to the centre of mass."""

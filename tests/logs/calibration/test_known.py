@@ -134,7 +134,8 @@ def test_check_only_compares_and_writes_nothing(files, tmp_path, capsys):
         cli.main(["decompose", str(path), "--check", "--layout", str(tmp_path / "lab.json")]) == 0
     )
     printed = " ".join(capsys.readouterr().out.split())
-    for words in ("6,000 rows", "assumed grips", "corrected delay", "known body, fx: r² 0.",
+    for words in ("6,000 rows", "assumed grips", "corrected delay",
+                  "for 40 rows at ends of trials no pose came", "known body, fx: r² 0.",
                   "turned by 30° and 30°"):  # fmt: skip
         assert words in printed
     assert sorted(each.name for each in path.parent.iterdir()) == before
