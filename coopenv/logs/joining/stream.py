@@ -207,7 +207,7 @@ class Stream:
                 (
                     whole & bad,
                     lambda row, name=name: (
-                        f", column {name!r} must be {chunk.rule}, got "
+                        f", {chunk.called(name)} must be {chunk.rule}, got "
                         f"{shown(chunk.text(row, name))!r}"
                     ),
                 )
