@@ -65,7 +65,8 @@ def test_one_layout_gives_the_measures_in_the_plane_of_sensors_and_a_slow_late_c
     said["body"] = {"gravity": [0.0, -lab.GRAVITY]}
     for sensor in said["sensors"].values():
         sensor["load"] = LOAD | {"center": [0.01, 0.06]}
-    seen = read(cases.save(forces, tmp_path / "forces.csv"), layout_file(tmp_path, **said))
+    path = cases.save(forces, tmp_path / "forces.csv")
+    seen: Any = read(path, layout_file(tmp_path, **said))
     truth = as_it_was(seen, columns, tmp_path, grips=grips)
     assert seen.good.all()
     assert len(seen) == 5991  # up to the last picture
@@ -88,7 +89,7 @@ def test_one_layout_gives_the_measures_in_space_of_a_file_a_sensor_and_a_camera(
     said = lab.layout_in_space(*habits) | {"pose": POSE}
     second = {"path": "2.csv", "time": "ms", "unit": "ms"}
     said["files"] = {"camera": CAMERA, "second": second}
-    seen = read(tmp_path / "1.csv", layout_file(tmp_path, **said))
+    seen: Any = read(tmp_path / "1.csv", layout_file(tmp_path, **said))
     truth = as_it_was(seen, columns, tmp_path)
     assert seen.good.all()
     assert len(seen) == 5988
@@ -195,7 +196,7 @@ def test_a_file_of_rest_is_not_joined_with_the_devices_of_the_trial(tmp_path):
 def test_columns_of_an_orientation_are_those_of_one_device(columns, says, tmp_path):
     at = np.arange(41) * 0.05
     both = {f"q{j}": 0 * at + (j == 3) for j in range(4)}
-    more = {name: np.resize(each, 200) for name, each in both.items()}
+    more: dict[str, Any] = {name: np.resize(each, 200) for name, each in both.items()}
     path = beside(tmp_path, {"time": at, **both}, **more)
     pose = {"columns": columns, "order": "xyzw"}
     said = {"grips": cases.BEAM, "files": {"camera": {"path": "camera.csv"}}}
