@@ -19,6 +19,7 @@ from coopenv.cli.warmup import Warmup
 from coopenv.errors import CoopenvError
 from coopenv.files import file_trouble, nothing_left
 from coopenv.logs.command import Decompose
+from coopenv.logs.inspected.command import Inspect
 
 INTERRUPTED = 130  # exit code
 
@@ -35,6 +36,7 @@ COMMANDS: dict[str, type[Command]] = {
     "train": Train,
     "evaluate": Evaluate,
     "decompose": Decompose,
+    "inspect": Inspect,
     "show": Show,
     "study": Study,
     "warmup": Warmup,

@@ -102,6 +102,11 @@ class Source(ABC):
         """Say what columns are, before they are read."""
 
     @property
+    def shapes(self) -> Mapping[str, tuple[int, ...]]:
+        """Of the arrays that it holds, rows first, if it holds arrays."""
+        return {}
+
+    @property
     def num_fields(self) -> int:
         """How many fields a row of the file has, if it is text."""
         return len(self.columns)
