@@ -242,3 +242,50 @@ def test_rows_with_the_time_of_the_row_before_are_shifted_and_checked_too(tmp_pa
     checked = check_file(path, layout=declared(body=body))
     assert "1,000 rows of" in checked.lines()[1]
     assert checked.consistency.balance is not None
+
+
+def test_a_late_pose_is_put_right_by_its_device_or_after_joining_and_by_both_in_turn(tmp_path):
+    at = np.arange(41) * 0.05
+    path = beside(tmp_path, {"time": at, "x": 3 * at, "y": -at, "theta": 0.5 * at})
+
+    def position(device: float, pose: float) -> Any:
+        files = {"camera": {"path": "camera.csv", "delay": device}}
+        seen = seen_in(path, grips=cases.BEAM, files=files, pose={"delay": pose})
+        return seen.time[seen.good], seen.position[seen.good][:, 0]
+
+    for device, pose in ((0.04, 0.0), (0.0, 0.04), (0.03, 0.01)):
+        time, x = position(device, pose)
+        np.testing.assert_allclose(x, 3 * (time + 0.04), atol=1e-12)
+        assert len(time) >= 195
+    turned = seen_in(
+        path,
+        grips=cases.BEAM,
+        frame="world",
+        files={"camera": {"path": "camera.csv", "delay": 0.04}},
+    )
+    np.testing.assert_allclose(turned.orientation, 0.5 * (turned.time + 0.04), atol=1e-12)
+
+
+def test_how_much_is_read_at_once_matters_to_joined_and_corrected_rows_no_more(
+    tmp_path, monkeypatch
+):
+    at = np.arange(41) * 0.05
+    turn = Rotation.from_euler("z", 2 * at[:, None])
+    camera = {"time": at, "x": np.sin(3 * at), "y": np.cos(2 * at)}
+    camera |= dict(zip(("q0", "q1", "q2", "q3"), turn.as_quat().T, strict=True))
+    path = beside(tmp_path, camera)
+    load = {"mass": 0.3, "center": [0.0, 0.05], "window": 0.06}
+    said: dict[str, Any] = {
+        "grips": cases.BEAM,
+        "files": {"camera": {"path": "camera.csv", "delay": 0.02}},
+        "pose": POSE | {"delay": 0.015},
+        "sensors": {"1": {"rotation": 0.4, "load": load, "tare": {"first": 0.3}}},
+        "filters": {"wrench": 12.0, "rate": 37.0},
+        "body": {"gravity": [0.0, -9.81]},
+    }
+    whole = seen_in(path, **said)
+    cases.set_chunk(13, monkeypatch)
+    parts = seen_in(path, **said)
+    for name in ("time", "applied", "position", "orientation", "good"):
+        one, other = getattr(parts, name), getattr(whole, name)
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-9, err_msg=name)
