@@ -152,6 +152,11 @@ class JoinedSource(Source):
                 f"{self._span[0]:.6g} s to {self._span[1]:.6g} s; between samples "
                 + ", ".join(f"{each.name} {each.method}" for each in self._others)
             )
+        said += [
+            f"delay: times of {each.name} taken {each.delay:g} s earlier"
+            for each in self._streams
+            if each.delay
+        ]
         for stream in self._others:
             if stream.equal:
                 said.append(f"{stream.equal:,} samples of {stream.name} had the time before's")

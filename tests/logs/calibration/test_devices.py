@@ -257,13 +257,12 @@ def test_a_late_pose_is_put_right_by_its_device_or_after_joining_and_by_both_in_
         time, x = position(device, pose)
         np.testing.assert_allclose(x, 3 * (time + 0.04), atol=1e-12)
         assert len(time) >= 195
-    turned = seen_in(
-        path,
-        grips=cases.BEAM,
-        frame="world",
-        files={"camera": {"path": "camera.csv", "delay": 0.04}},
-    )
+    files = {"camera": {"path": "camera.csv", "delay": 0.04}}
+    said: dict[str, Any] = {"grips": cases.BEAM, "frame": "world", "files": files}
+    turned = seen_in(path, **said)
     np.testing.assert_allclose(turned.orientation, 0.5 * (turned.time + 0.04), atol=1e-12)
+    told = check_file(path, layout=declared(**said)).lines()
+    assert "delay: times of camera taken 0.04 s earlier" in told
 
 
 def test_how_much_is_read_at_once_matters_to_joined_and_corrected_rows_no_more(
