@@ -6,6 +6,7 @@ python -m benchmarks.recordings --write    # and puts them on the page
 
 from benchmarks.pages import DOCS, filled, markdown, show
 from coopenv.logs.analysis import RESULTS
+from coopenv.logs.calibration.meaning import MEANING as CALIBRATION
 from coopenv.logs.columns import INPUT
 from coopenv.logs.layout import UNITS, Layout
 from coopenv.logs.limits import MEANING
@@ -21,7 +22,9 @@ def tables() -> dict[str, str]:
         (f"`--max-{name.replace('_', '-')}`", f"{getattr(Layout(), f'max_{name}'):,}", meaning)
         for name, meaning in MEANING.items()
     ]
+    calibration = [(f"`{name}`", *said) for name, said in CALIBRATION.items()]
     return {
+        "calibration": markdown(("key", "default", "what"), calibration),
         "columns": markdown(("in the plane", "in space", "unit", "what"), INPUT),
         "kinds": markdown(("kind of file", "said of it"), table_rows()),
         "units": markdown(("field, option", "known, the first is the default"), units),

@@ -49,7 +49,8 @@ NAMES: dict[str, tuple[str, ...]] = {
         "ResetNeeded", "SolverError", "UnknownName",
     ),
     "coopenv.logs": (
-        "Analysis", "Layout", "Recording", "Summary", "analyse", "decompose_file", "read",
+        "Analysis", "Checked", "Layout", "Recording", "Summary", "analyse", "check_file",
+        "decompose_file", "read",
     ),
     "coopenv.observation": ("BLOCKS", "ranges"),
     "coopenv.rewards": (

@@ -36,7 +36,11 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
     try:
         import tyro
     except ImportError as error:
-        extra = "analysis" if arguments and arguments[0] in ("decompose", "show") else "train"
+        extra = (
+            "analysis"
+            if arguments and arguments[0] in ("decompose", "inspect", "show")
+            else "train"
+        )
         raise MissingExtra("the command line", extra) from error
     file = _from_file(arguments, commands)
     kinds: list[Any] = []

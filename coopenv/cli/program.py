@@ -20,6 +20,7 @@ from coopenv.cli.warmup import Warmup
 from coopenv.errors import CoopenvError
 from coopenv.files import file_trouble, nothing_left
 from coopenv.logs.command import Decompose
+from coopenv.logs.inspected.command import Inspect
 
 INTERRUPTED = 130  # exit code
 
@@ -36,6 +37,7 @@ COMMANDS: dict[str, type[Command]] = {
     "train": Train,
     "evaluate": Evaluate,
     "decompose": Decompose,
+    "inspect": Inspect,
     "show": Show,
     "study": Study,
     "experiment": RunExperiment,

@@ -33,6 +33,9 @@ class Decompose:
     """Of the table, .csv, .npz or .parquet; trial.decomposed.csv beside trial.csv by default."""
     picture: bool = True
     """Draw the time series as PNG beside the table."""
+    check: bool = False
+    """Only compare the recording with its motion, and say what would explain a difference; nothing
+    is written. With mass and inertia in [body] of the layout it has numbers."""
     bad_rows: str = "error"
     """What to do with rows that cannot be used: error, or skip (their results are NaN)."""
     method: str = "optimal"
@@ -131,18 +134,27 @@ class Decompose:
         except ImportError as error:
             raise MissingExtra("the command line", "analysis") from error
 
-        from coopenv.logs.layout import Layout, parse_mapping
+        from coopenv.logs.layout import TABLES, Layout, parse_mapping
         from coopenv.logs.limits import legible
-        from coopenv.logs.run import decompose_file
+        from coopenv.logs.run import check_file, decompose_file
         from coopenv.wrench import Settings
 
-        options = [e.name for e in fields(Layout) if e.name not in ("columns", "files")]
+        options = [entry.name for entry in fields(Layout) if entry.name not in TABLES]
         said: dict[str, Any] = {
             name: getattr(self, name)
             for name in options
             if getattr(self, name) is not None and getattr(self, name) is not False
         }
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
+        console = Console()
+        if self.check:
+            with _progress(console, "checking") as report:
+                checked = check_file(
+                    self.file, layout=layout, bad_rows=self.bad_rows, report=report
+                )
+            for line in checked.lines():
+                console.print(line, markup=False, highlight=False)
+            return
         settings = Settings(
             method=self.method,
             solver=self.solver,
@@ -151,8 +163,7 @@ class Decompose:
             virtual_masses=self.virtual_masses,
             virtual_inertias=self.virtual_inertias,
         )
-        console = Console()
-        with _progress(console) as report:
+        with _progress(console, "decomposing") as report:
             summary = decompose_file(
                 self.file,
                 self.out,
@@ -169,11 +180,11 @@ class Decompose:
 
 
 @contextmanager
-def _progress(console: "Console") -> Iterator[Callable[[float], None]]:
+def _progress(console: "Console", what: str) -> Iterator[Callable[[float], None]]:
     """A progress bar over the file."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("decomposing"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"))
+    columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %"))
     with Progress(*columns, TimeRemainingColumn(), console=console, transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda done: bar.update(task, completed=done)

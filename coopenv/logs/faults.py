@@ -30,15 +30,25 @@ class Faults:
         Which of them are read as what.
     bad_rows
         ``"error"`` or ``"skip"``.
+    num_fields
+        That a row of the file has, if some of ``columns`` are made of others.
     """
 
-    def __init__(self, path: str, columns: list[str], plan: Plan, bad_rows: str):
+    def __init__(
+        self,
+        path: str,
+        columns: list[str],
+        plan: Plan,
+        bad_rows: str,
+        num_fields: int | None = None,
+    ):
         if bad_rows not in BAD_ROWS:
             raise UnknownName("bad_rows", bad_rows, BAD_ROWS)
         self.count = 0
         self.first = ""  # what is wrong with the first
         self._row: int | None = None  # its number
         self._equal, self._first_equal = 0, ""  # rows with the time of the row before
+        self._num_fields = len(columns) if num_fields is None else num_fields
         self._path, self._columns, self._plan, self._bad_rows = path, columns, plan, bad_rows
 
     def good_rows(self, chunk: Chunk, starts: BoolArray, previous_time: FloatArray) -> BoolArray:
@@ -92,14 +102,14 @@ class Faults:
 
             def describe(row: int) -> str:
                 seen = MARKS.get(int(fields[row]), f"{fields[row]} fields")
-                return f" must have {len(self._columns)} fields like the header, got {seen}"
+                return f" must have {self._num_fields} fields like the header, got {seen}"
 
             yield fields != 0, describe
 
     def _not_finite(self, chunk: Chunk, *_: object):
         for name in self._required():
             column = self._plan.source[name]
-            called = f"column {column!r}" + (f" ({name})" if name != column else "")
+            called = chunk.called(column) + (f" ({name})" if name != column else "")
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
                 lambda row, column=column, called=called: (

@@ -9,6 +9,10 @@ import numpy as np
 
 from coopenv.arrays import FloatArray, finite_array, whole
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
+from coopenv.logs.calibration.body import Body
+from coopenv.logs.calibration.declared import checked_tables, located
+from coopenv.logs.calibration.processing import Filters, Pose
+from coopenv.logs.calibration.sensor import Sensor
 from coopenv.logs.columns import is_documented
 from coopenv.logs.declared.devices import Joining
 from coopenv.logs.declared.dialect import require_flag
@@ -20,6 +24,7 @@ from coopenv.logs.limits import Limits, shown
 LARGEST = 1e50  # of what is measured, in SI units: products of it are numbers still
 
 LIMITS = Limits()
+TABLES = ("columns", "files", "sensors", "pose", "filters", "body")  # fields that no option says
 CHOICES = {
     "frame": ("object", "world"),
     "twist_frame": ("object", "world"),
@@ -62,6 +67,10 @@ class Layout(Joining):
     angular_velocity: str = "rad/s"
     force: str = "N"
     torque: str = "N*m"
+    sensors: Mapping[int, Sensor] = field(default_factory=dict)  # number of the effector -> its own
+    pose: Pose = field(default_factory=Pose)  # how it is written, of which point, when
+    filters: Filters = field(default_factory=Filters)
+    body: Body = field(default_factory=Body)  # the object, where it is known
     # the most that a file may have, so that none costs more than it should; see Limits
     max_row_bytes: int = LIMITS.row_bytes
     max_columns: int = LIMITS.columns
@@ -79,6 +88,8 @@ class Layout(Joining):
                     f"{name} must be a word, got {shown(getattr(self, name))}; see "
                     "docs/recordings.md for those that are known"
                 )
+        for name, checked in checked_tables(self).items():
+            object.__setattr__(self, name, checked)
         for limit in fields(Limits):
             name = f"max_{limit.name}"
             object.__setattr__(self, name, whole(getattr(self, name), name, at_least=1))
@@ -165,6 +176,8 @@ class Layout(Joining):
             if name not in known:
                 raise UnknownName(f"field of a layout in {path}", name, known)
         columns = {**content.pop("columns", {}), **said.pop("columns", {})}
+        if path is not None:
+            content = located(content, os.path.dirname(path))
         try:
             return cls(**{**content, **said, "columns": columns})
         except CoopenvError as error:

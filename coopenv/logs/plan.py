@@ -3,10 +3,11 @@
 import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from coopenv.errors import InvalidInput
+from coopenv.logs.calibration.declared import needed
 from coopenv.logs.columns import (
     EFFECTOR,
     ORIENTATION,
@@ -44,6 +45,14 @@ class Plan:
     def has(self, names: Sequence[str]) -> bool:
         """Whether all of these documented columns are there."""
         return all(name in self.source for name in names)
+
+    def without(self, made: Collection[str]) -> "Plan":
+        """The same where columns that were made for it, and are in no file, are of no use."""
+        return replace(
+            self,
+            carried=tuple(name for name in self.carried if name not in made),
+            unused=tuple(name for name in self.unused if name not in made),
+        )
 
     def effector_names(self, kind: str) -> list[list[str]]:
         """Names of the columns of ``kind`` f, t or r: one list an effector."""
@@ -102,6 +111,7 @@ def make_plan(
     twist = _twist(need, dimension)
     in_world = "what the file has in the world frame needs it; if nothing is, say --frame object"
     required += [*twist, *need(*_pose(layout, dimension, grips_vary, bool(twist)), remedy=in_world)]
+    required += [name for name in _corrected(need, layout, dimension) if name not in required]
     pose = (*POSITION[dimension], *ORIENTATION[dimension])
     optional = [name for name in pose if name in found and name not in required]
     source = {name: found[name] for name in required + optional}
@@ -220,6 +230,19 @@ def _pose(layout: Layout, dimension: int, grips_vary: bool, twist: bool) -> list
     if layout.grip_frame == "world":
         names += POSITION[dimension]
     return names
+
+
+def _corrected(need: "_Need", layout: Layout, dimension: int) -> list[str]:
+    """Columns that corrections need, and all of the pose that they move."""
+    wanted = needed(layout, dimension)
+    position, orientation = POSITION[dimension], ORIENTATION[dimension]
+    moves = bool(layout.pose.com or layout.pose.delay)
+    names = ["time"] if "time" in wanted else []
+    for name, columns in (("position", position), ("orientation", orientation)):
+        if name in wanted or (moves and all(each in need.found for each in columns)):
+            names += columns
+    tables = "[sensors], [pose] and [filters] of the layout"
+    return need(*names, remedy=f"a correction needs it; see {tables}")
 
 
 def _require_no_other_case(

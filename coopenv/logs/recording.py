@@ -1,12 +1,11 @@
-"""Recordings of trials and their reader: SI units, object frame, y up."""
+"""Reader of recordings of trials: SI units, object frame, y up."""
 
 import math
 import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from coopenv.files import reading
 from coopenv.logs.assumptions import assumptions
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.convert import Measured, in_si, turned_over
+from coopenv.logs.corrections import Corrections
 from coopenv.logs.declared.stamps import Stamps, is_form
 from coopenv.logs.faults import Faults
 from coopenv.logs.formats.chunks import Chunk, Column, Roles
@@ -23,81 +23,12 @@ from coopenv.logs.joining import open_recording
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import require_short_names
 from coopenv.logs.plan import make_plan
+from coopenv.logs.recorded import Recording
 from coopenv.logs.trials import Trials
 
+__all__ = ["Reader", "Recording", "naming", "read"]
+
 EXACT = 2.0**53  # whole numbers below are floats without rounding
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Recording:
-    """What was recorded, row by row; rows that could not be used are NaN and not ``good``.
-
-    Raises
-    ------
-    InvalidInput
-        If an array has masked values.
-    """
-
-    time: FloatArray | None  # (T,) [s]
-    applied: FloatArray  # (T, n, 3) or (T, n, 6), object frame [N, N·m]
-    grips: FloatArray  # (n, 2 or 3), or (T, n, 2 or 3) where they vary, object frame [m]
-    position: FloatArray | None  # (T, 2 or 3) of the centre of mass, world frame [m]
-    orientation: FloatArray | None  # (T,) [rad], in space (T, 4) quaternion w, x, y, z
-    twist: FloatArray | None  # (T, 3 or 6), object frame [m/s, rad/s]
-    carried: dict[str, Column]  # the file's other columns, (T,) each
-    trial: IntArray  # (T,) number of the trial, from 0
-    good: BoolArray  # (T,)
-
-    def __post_init__(self):
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if entry.name != "carried":
-                object.__setattr__(self, entry.name, _unmasked(value, entry.name))
-        for name in [name for name, column in self.carried.items() if np.ma.isMA(column)]:
-            self.carried[name] = _unmasked(self.carried[name], f"carried column {name!r}")
-
-    def __len__(self) -> int:
-        return len(self.applied)
-
-    @property
-    def num_effectors(self) -> int:
-        """How many hold the object."""
-        return self.applied.shape[1]
-
-    def take(self, rows: BoolArray | IntArray | slice) -> "Recording":
-        """Only these rows."""
-        values: dict[str, Any] = {}
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if entry.name == "carried":
-                value = {name: column[rows] for name, column in value.items()}
-            elif value is not None and not (entry.name == "grips" and value.ndim == 2):
-                value = value[rows]
-            values[entry.name] = value
-        return Recording(**values)
-
-    def trials(self) -> Iterator["Recording"]:
-        """One recording a trial, in the order of the file."""
-        starts = np.flatnonzero(np.diff(self.trial, prepend=-1))
-        for first, last in zip(starts, [*starts[1:], len(self)], strict=True):
-            yield self.take(slice(int(first), int(last)))
-
-    @classmethod
-    def joined(cls, parts: list["Recording"]) -> "Recording":
-        """Several recordings with the same columns, one after the other."""
-
-        def join(name: str) -> Any:
-            values = [getattr(part, name) for part in parts]
-            if values[0] is None or (name == "grips" and values[0].ndim == 2):
-                return values[0]
-            return np.concatenate(values)
-
-        made = {entry.name: join(entry.name) for entry in fields(cls) if entry.name != "carried"}
-        carried = {
-            name: np.concatenate([part.carried[name] for part in parts])
-            for name in parts[0].carried
-        }
-        return cls(**made, carried=carried)
 
 
 def read(
@@ -158,7 +89,7 @@ class Reader:
         columns = source.columns
         require_short_names(self.path, (*columns, *source.left_out))
         with naming(self.path):
-            self.plan = make_plan(
+            plan = make_plan(
                 self.path,
                 columns,
                 self.layout,
@@ -166,9 +97,16 @@ class Reader:
                 units=source.units,
                 repeated=source.repeated,
             )
+            self.plan = plan.without(source.made)
             source.assign(self._roles())
-        self.faults = Faults(self.path, columns, self.plan, bad_rows)
-        self.left_out = [*self._source.left_out, *self.plan.unused]
+            self._corrections = Corrections(
+                self.path,
+                given,
+                self.plan,
+                lambda path, layout: Reader(path, layout, bad_rows=bad_rows),
+            )
+        self.faults = Faults(self.path, columns, self.plan, bad_rows, source.num_fields)
+        self.left_out = [*source.left_out, *self.plan.unused]
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
         self.assumed = assumptions(self.layout, self.plan, self._grips)
@@ -178,7 +116,16 @@ class Reader:
         """What there is to say once all rows are read."""
         return (*self.faults.notes, *self._source.notes)
 
+    @property
+    def done(self) -> tuple[str, ...]:
+        """Corrections, as sentences; known once reading has begun."""
+        return self._corrections.done
+
     def __iter__(self) -> Iterator[Recording]:
+        return self._corrections(self._recorded())
+
+    def _recorded(self) -> Iterator[Recording]:
+        """As it is in the file, but for units and frames."""
         plan = self.plan
         trials = Trials(self._trial_columns())
         time_column = plan.source.get("time")
@@ -294,18 +241,6 @@ def naming(path: str) -> Iterator[None]:
         if path in str(error):
             raise
         raise InvalidInput(f"{path}: {error}") from error
-
-
-def _unmasked(value: Any, name: str) -> Any:
-    """The plain array of a masked one of which nothing is masked."""
-    if not np.ma.isMA(value):
-        return value
-    if np.ma.is_masked(value):
-        raise InvalidInput(
-            f"{name} must have no masked values, got {np.ma.count_masked(value)}; fill them with "
-            "NaN, and say of their rows that they are not good"
-        )
-    return np.asarray(value)
 
 
 def _as_numbers(column: Column, decimal: str) -> Column:

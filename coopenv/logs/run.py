@@ -9,6 +9,7 @@ from coopenv.errors import InvalidInput
 from coopenv.files import require_file, require_writable, writing, written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.consistency import Check
+from coopenv.logs.consistency.told import Checked
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import FORMATS, find_format, open_sink, table_beside
 from coopenv.logs.formats.chunks import Sink
@@ -17,6 +18,42 @@ from coopenv.logs.limits import legible
 from coopenv.logs.recording import Reader, naming
 from coopenv.logs.summary import Collector, Summary
 from coopenv.wrench import Settings
+
+
+def check_file(
+    path: str | os.PathLike,
+    *,
+    layout: Layout | None = None,
+    bad_rows: str = "error",
+    report: Callable[[float], object] | None = None,
+) -> Checked:
+    """Compare a recording with its motion, without decomposing it; nothing is written.
+
+    Parameters
+    ----------
+    path, layout, bad_rows, report
+        See `decompose_file`. With mass and inertia in ``layout.body`` the comparison has numbers.
+
+    Raises
+    ------
+    InvalidInput
+        If the file, a column or a row is wrong; the message names file, line and column.
+    """
+    reader = Reader(path, layout, bad_rows=bad_rows)
+    check, rows = Check(reader.layout), 0
+    for recording in reader:
+        check.add(recording)
+        rows += len(recording)
+        if report is not None:
+            report(reader.progress)
+    return Checked(
+        rows=rows,
+        bad_rows=reader.faults.count,
+        assumed=reader.assumed,
+        done=reader.done,
+        consistency=check.result(),
+        notes=tuple(map(legible, reader.notes)),
+    )
 
 
 def decompose_file(
@@ -76,6 +113,8 @@ def decompose_file(
             with writing(table):
                 collector, check = _fill(sink, reader, settings, drawing, report)
                 with naming(reader.path):
+                    if reader.done:
+                        sink.describe(reader.done)
                     sink.close()
         except BaseException:
             with suppress(OSError, ValueError):  # what went wrong first is what is told
@@ -92,6 +131,7 @@ def decompose_file(
             first_bad=reader.faults.first.partition(";")[0],
             left_out=tuple(reader.left_out),
             assumed=reader.assumed,
+            done=reader.done,
             consistency=check.result(),
             notes=reader.notes,
             old_picture=beside if image is None and beside.is_file() else None,

@@ -11,6 +11,7 @@ from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
 from coopenv.logs.analysis import Analysis, Worst
 from coopenv.logs.consistency import Consistency
+from coopenv.logs.consistency.told import motion_lines
 from coopenv.logs.limits import legible
 from coopenv.logs.recording import Recording
 
@@ -66,6 +67,7 @@ class Summary:
     assumed: tuple[str, ...]  # frames, signs, units and grips, as declared or by default
     consistency: Consistency  # whether that goes with how the object moved
     notes: tuple[str, ...] = ()  # what reading the file met: equal times, rows joined, gaps filled
+    done: tuple[str, ...] = ()  # corrections
     old_picture: Path | None = None  # of an earlier table of that name, if none was drawn now
 
     def print(self, console: "Console") -> None:
@@ -105,7 +107,8 @@ class Summary:
         if self.old_picture is not None:
             lines.append(f"{legible(self.old_picture)} was there before and shows another table")
         lines += [*self.notes, *(f"assumed {line}" for line in self.assumed)]
-        lines += [self._motion(), *(f"warning: {each}" for each in self.consistency.warnings)]
+        lines += [f"corrected {line}" for line in self.done]
+        lines += motion_lines(self.consistency)
         worst = self.worst
         lines.append(
             f"worst residuals: balance {worst.balance:.1e} N or N·m, force {worst.force:.1e} N, "
@@ -113,17 +116,6 @@ class Summary:
             f"largest gap {self.gap:.1e} N; {self.fallbacks:,} fallbacks"
         )
         return lines
-
-    def _motion(self) -> str:
-        """How well what was assumed explains the motion."""
-        if self.consistency.unchecked:
-            return f"not compared with the motion: {self.consistency.unchecked}"
-        parts = [
-            f"{100 * share:.0f} % of {name}"
-            for name, share in self.consistency.fit._asdict().items()
-            if not np.isnan(share)
-        ]
-        return f"motion explains, as assumed, {', '.join(parts)}"
 
     def save(self, path: Path) -> None:
         """Write it as JSON; what is undefined is null."""
@@ -182,6 +174,7 @@ class Collector:
         assumed: tuple[str, ...],
         consistency: Consistency,
         notes: tuple[str, ...] = (),
+        done: tuple[str, ...] = (),
         old_picture: Path | None = None,
     ) -> Summary:
         """Summary of all rows so far, with what only the caller knows."""
@@ -202,6 +195,7 @@ class Collector:
             measures=tuple(kept.measure(name) for name, kept in self._columns.items()),
             left_out=left_out,
             assumed=assumed,
+            done=done,
             consistency=consistency,
             notes=tuple(map(legible, notes)),
             old_picture=old_picture,

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
+import numpy as np
 
 from tests.logs import cases
 
@@ -76,8 +77,16 @@ def chains(page: Path) -> list[list[Snippet]]:
 
 
 def lay_out(page: Path, folder: Path) -> None:
-    """Write what a page's reader has: the files that it shows, and a recorded trial."""
-    cases.save(cases.planar(40), folder / "trial.csv")
+    """Write what a page's reader has: the files that it shows, and recorded trials."""
+    columns = cases.planar(40)
+    cases.save(columns, folder / "trial.csv")
+    if "motion.csv" in page.read_text(encoding="utf-8"):  # of a trial, a file a device
+        for i, name in enumerate(("left", "right"), 1):
+            own = {each: columns[each] for each in ("time", f"f{i}x", f"f{i}y", f"t{i}z")}
+            own |= {f"r{i}x": np.full(40, 1.8 * i - 2.7), f"r{i}y": np.zeros(40)}
+            cases.save(own, folder / f"{name}.csv")
+        pose = {each: columns[each] for each in ("time", "x", "y", "theta")}
+        cases.save(pose, folder / "motion.csv")
     for snippet in snippets(page):
         if snippet.file:
             (folder / snippet.file).write_text(snippet.code, encoding="utf-8")

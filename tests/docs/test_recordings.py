@@ -2,16 +2,24 @@
 
 import inspect
 import re
+from dataclasses import fields, replace
 
 import numpy as np
 
 from benchmarks import recordings
 from coopenv.logs import Layout, analyse, command, read
+from coopenv.logs.calibration import Body, Filters, Load, Pose, Sensor
+from coopenv.logs.calibration.meaning import MEANING
 from coopenv.logs.columns import is_documented
 from coopenv.logs.formats import FORMATS
 from tests.docs.snippets import snippets
 from tests.logs import cases
 
+TABLES = {
+    one.code.split(".toml")[0].removeprefix("# "): one.code
+    for one in snippets(recordings.PAGE)
+    if one.language == "toml"
+}
 TEXT = recordings.PAGE.read_text(encoding="utf-8")
 
 
@@ -50,8 +58,7 @@ def test_every_result_is_on_the_page_and_in_the_table(tmp_path):
 
 
 def test_the_layout_of_the_page_reads_such_a_file(tmp_path):
-    _, toml = [one.code for one in snippets(recordings.PAGE) if one.language == "toml"]
-    (tmp_path / "lab.toml").write_text(toml)
+    (tmp_path / "lab.toml").write_text(TABLES["lab"])
     layout, columns = Layout.load(tmp_path / "lab.toml"), cases.planar(20)
     theirs = {"time": "t", "f1x": "Fx_left", "t1z": "Mz_left"}
     renamed = {theirs.get(name, name): values for name, values in columns.items()}
@@ -60,8 +67,25 @@ def test_the_layout_of_the_page_reads_such_a_file(tmp_path):
 
 
 def test_the_layout_of_devices_on_the_page_is_one(tmp_path):
-    toml, _ = [one.code for one in snippets(recordings.PAGE) if one.language == "toml"]
-    (tmp_path / "lab.toml").write_text(toml)
-    motion, left, right = Layout.load(tmp_path / "lab.toml").devices("motion")
+    (tmp_path / "devices.toml").write_text(TABLES["devices"])
+    motion, left, right = Layout.load(tmp_path / "devices.toml").devices("motion")
     assert (motion.path, left.unit, left.delay, left.dialect.skip_lines) == ("", "ms", 0.1, 3)
     assert (right.rate, right.start, right.dialect.skip_lines) == (1000.0, 0.0, 0)
+
+
+def test_the_calibration_of_the_page_reads_such_a_file(tmp_path):
+    (tmp_path / "sensors.toml").write_text(TABLES["sensors"])
+    layout = replace(Layout.load(tmp_path / "sensors.toml"), angle="deg", max_rows=10**6)
+    columns = cases.spatial(300)
+    columns |= {f"q{j}": columns.pop(f"q{axis}") for j, axis in enumerate("xyzw")}
+    columns["time"] = np.arange(300) * 0.01
+    recording = read(cases.save(columns, tmp_path / "a.npz"), layout)
+    np.testing.assert_allclose(recording.applied[:201, 0].mean(axis=0), 0.0, atol=2.0)
+    assert len(recording.done) == 4
+
+
+def test_every_key_of_the_calibration_is_on_the_page():
+    kinds = {"sensors.1": Sensor, "sensors.1.load": Load, "pose": Pose, "filters": Filters,
+             "body": Body}  # fmt: skip
+    names = {f"{table}.{entry.name}" for table, kind in kinds.items() for entry in fields(kind)}
+    assert names - {"sensors.1.load"} == set(MEANING)

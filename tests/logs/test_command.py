@@ -15,7 +15,7 @@ pytest.importorskip("matplotlib")
 from coopenv import cli
 from coopenv.logs import Layout
 from coopenv.logs.command import Decompose
-from coopenv.logs.layout import UNITS
+from coopenv.logs.layout import TABLES, UNITS
 from tests.logs import cases
 
 
@@ -126,7 +126,7 @@ def test_every_field_of_a_layout_is_an_option_and_names_its_units():
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
         if isinstance(text, ast.Expr)
     }
-    assert {entry.name for entry in fields(Layout)} - {"columns", "files"} <= set(said)
+    assert {entry.name for entry in fields(Layout)} - set(TABLES) <= set(said)
     for quantity, known in UNITS.items():
         first, *others = known
         assert said[quantity].startswith(f"Unit: {', '.join([f'{first} (default)', *others])}.")

@@ -8,10 +8,12 @@ cable that carries it) are not known here; they leave a part unexplained that is
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from coopenv.logs.consistency.balance import Balance, Balancing
+from coopenv.logs.consistency.explanations import sentence
 from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
 from coopenv.logs.consistency.mistakes import (
     BAD,
@@ -38,6 +40,7 @@ class Consistency:
     fit: Fit = field(default_factory=Fit)
     warnings: tuple[str, ...] = ()
     unchecked: str = ""  # why nothing could be compared
+    balance: Balance | None = None  # with the motion of a known body, where mass and inertia are
 
 
 class Check:
@@ -55,22 +58,38 @@ class Check:
         self._laws = Laws(layout)
         self._other_angle: Laws | None = None  # as if rad were deg, or the reverse
         self._missing = "it has no rows"
+        known = layout.body.mass is not None
+        self._balancing = Balancing(layout) if known else None
 
     def add(self, recording: Recording) -> None:
         """Append rows."""
         self._missing = _missing(recording)
         if self._missing:
             return
+        recording = _at_different_times(recording)
+        if self._balancing is not None:
+            self._balancing.add(recording)
         orientation = recording.orientation
         if self._other_angle is None and orientation is not None and orientation.ndim == 1:
             factor = DEGREES if self._layout.angle == "deg" else 1 / DEGREES
             self._other_angle = Laws(self._layout, angle=factor)
-        for segment, rows in self._segments.of(_at_different_times(recording)):
+        for segment, rows in self._segments.of(recording):
             for laws in filter(None, (self._laws, self._other_angle)):
                 laws.add(segment, rows)
 
     def result(self) -> Consistency:
         """Of all rows so far."""
+        found = self._of_laws()
+        if self._balancing is None or self._missing:
+            return found
+        balance = self._balancing.result()
+        told = "" if balance.unchecked else sentence(balance.left, balance.explanations)
+        if told:  # what numbers say comes first
+            return replace(found, balance=balance, warnings=(told, *found.warnings))
+        return replace(found, balance=balance)
+
+    def _of_laws(self) -> Consistency:
+        """What can be told of a body that is not known."""
         if self._missing:
             return Consistency(unchecked=self._missing)
         if not self._laws.enough("power"):

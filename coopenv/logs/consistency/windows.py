@@ -25,9 +25,15 @@ class Segments:
 
     A segment is of one trial, without a bad row or a gap in time. What the last chunk left over is
     put before the next, so that windows do not end with a chunk.
+
+    Parameters
+    ----------
+    enough
+        Rows in a window.
     """
 
-    def __init__(self):
+    def __init__(self, enough: int = ENOUGH):
+        self._enough = enough
         self._rest: Recording | None = None
         self._every = 0  # rows that are averaged first; 0 as long as it is not known
         self._rows = 0  # of these averages in a window
@@ -47,7 +53,9 @@ class Segments:
         usual = float(np.median(forward))
         if not self._every:
             rows = max(1, round(WINDOW / usual))
-            self._every = max(1, (rows // ENOUGH - 1) // 2 * 2 + 1)  # odd: one row is the middle
+            self._every = max(
+                1, (rows // self._enough - 1) // 2 * 2 + 1
+            )  # odd: one row is the middle
             self._rows = max(1, round(rows / self._every))
         usable = _usable(recording)
         follows = usable[1:] & usable[:-1] & (np.diff(recording.trial) == 0)

@@ -45,6 +45,10 @@ class Chunk:
         """Name of a row of the chunk in messages, such as "row 17"."""
         return f"row {self.first_row + row}"
 
+    def called(self, column: str) -> str:
+        """Name of a column in messages."""
+        return f"column {column!r}"
+
     def text(self, row: int, column: str) -> str:
         """Content of the file in a row of the chunk and a column of numbers."""
         return str(self.numbers[column][row])
@@ -86,6 +90,7 @@ class Source(ABC):
     units: Mapping[str, str] = MappingProxyType({})  # column -> unit, where the file says it
     repeated: Collection[str] = ()  # documented names that several columns had
     stamped: str = ""  # a column of time stamps, whatever is said of units
+    made: Collection[str] = ()  # columns that are made of others, and are not in the file
 
     @abstractmethod
     def __init__(self, path: Path, dialect: Dialect, limits: Limits): ...
@@ -95,6 +100,16 @@ class Source(ABC):
 
     def assign(self, roles: Roles) -> None:  # noqa: B027
         """Say what columns are, before they are read."""
+
+    @property
+    def shapes(self) -> Mapping[str, tuple[int, ...]]:
+        """Of the arrays that it holds, rows first, if it holds arrays."""
+        return {}
+
+    @property
+    def num_fields(self) -> int:
+        """How many fields a row of the file has, if it is text."""
+        return len(self.columns)
 
     @property
     def notes(self) -> Sequence[str]:
@@ -146,6 +161,12 @@ class Sink(ABC):
     @abstractmethod
     def write(self, columns: Mapping[str, Column]) -> None:
         """Append rows; each column is ``(T,)``."""
+
+    def describe(self, done: Sequence[str]) -> None:  # noqa: B027
+        """Say within the file what was done to the recording, where the format has room for it.
+
+        Before it is closed, after rows were written.
+        """
 
     @abstractmethod
     def close(self) -> None:

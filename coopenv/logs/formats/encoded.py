@@ -34,8 +34,8 @@ class Text:
     def __init__(self, path: Path, encoding: str):
         self._path = path
         self._compressed = path.name.lower().endswith(".gz")
-        with self._bytes(path.open("rb")) as file:
-            begin = file.read(SAMPLE)
+        with path.open("rb") as raw:
+            begin = self._bytes(raw).read(SAMPLE)
         mark, found = next(((m, name) for m, name in MARKS if begin.startswith(m)), (b"", ""))
         self.encoding = encoding if encoding != "auto" else found or _without_mark(begin)
         self._mark = mark if self.encoding == "utf-8" else b""
@@ -44,8 +44,12 @@ class Text:
     def open(self) -> "Stream":
         """From its beginning, without a mark of its encoding."""
         raw = self._path.open("rb")
-        file = self._bytes(raw)
-        file.read(len(self._mark))
+        try:
+            file = self._bytes(raw)
+            file.read(len(self._mark))
+        except BaseException:
+            raw.close()
+            raise
         if self.encoding != "utf-8":
             file = io.BufferedReader(_Decoded(file, self.encoding, self._path), PIECE)
         return Stream(file, raw, self._size)

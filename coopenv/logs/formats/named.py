@@ -70,6 +70,11 @@ class ArraySource(Source):
         self._arrays = dict(arrays)
         self._settle(self._length())
 
+    @property
+    def shapes(self) -> Mapping[str, tuple[int, ...]]:
+        """See `Source`."""
+        return {name: self._shape(name) for name in self._arrays}
+
     def offer(self, names: Iterable[str]) -> None:
         """Make parts of arrays columns, where these names ask for them."""
         asked = {name: part for name in names if (part := part_of(name)) is not None}

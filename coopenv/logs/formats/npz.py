@@ -3,6 +3,7 @@
 NumPy alone does it; no extra is needed.
 """
 
+import json
 import shutil
 import sys
 import tempfile
@@ -89,6 +90,7 @@ class NpzSink(Sink):
         self._files: dict[str, IO[bytes]] = {}
         self._others: dict[str, list[Column]] = {}
         self._rows = 0
+        self._done = ""
 
     def write(self, columns: Mapping[str, Column]) -> None:
         """Append rows."""
@@ -112,6 +114,10 @@ class NpzSink(Sink):
         """
         return tempfile.TemporaryFile(dir=self._path.parent, prefix=f"{self._path.name}.")
 
+    def describe(self, done: Sequence[str]) -> None:
+        """Corrections as an array ``corrections`` of no dimension, a JSON list of sentences."""
+        self._done = json.dumps(list(done), ensure_ascii=False)
+
     def close(self) -> None:
         """Put the archive together."""
         form = {"descr": "<f8", "fortran_order": False, "shape": (self._rows,)}
@@ -126,6 +132,9 @@ class NpzSink(Sink):
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
                     values = _plain(np.concatenate(parts), name)
                     np.lib.format.write_array(entry, values, allow_pickle=False)
+            if self._done and not {"corrections"} & {*self._files, *self._others}:
+                with archive.open(zipfile.ZipInfo("corrections.npy"), "w") as entry:
+                    np.lib.format.write_array(entry, np.array(self._done), allow_pickle=False)
 
     def abandon(self) -> None:
         """Release the temporary files."""

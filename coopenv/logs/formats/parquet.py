@@ -1,5 +1,6 @@
 """Parquet tables: reading and writing them in batches with pyarrow."""
 
+import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -193,6 +194,12 @@ class ParquetSink(Sink):
                     f"later something else ({error}); write CSV"
                 ) from error
         self._writer.write_table(pa.table(arrays, schema=self._writer.schema))
+
+    def describe(self, done: Sequence[str]) -> None:
+        """Corrections as metadata ``corrections``, a JSON list of sentences."""
+        if self._writer is not None:
+            text = json.dumps(list(done), ensure_ascii=False)
+            self._writer.add_key_value_metadata({"corrections": text})
 
     def close(self) -> None:
         """Finish the file."""

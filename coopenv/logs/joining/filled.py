@@ -36,7 +36,12 @@ class FilledSource(Source):
     def _take(self) -> None:
         source = self._source
         self.columns, self.left_out, self.grips = source.columns, source.left_out, source.grips
-        self.units, self.repeated = source.units, source.repeated
+        self.units, self.repeated, self.made = source.units, source.repeated, source.made
+
+    @property
+    def num_fields(self) -> int:
+        """See `Source`."""
+        return self._source.num_fields
 
     def offer(self, names: Iterable[str]) -> None:
         """See `Source`."""

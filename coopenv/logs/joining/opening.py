@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from coopenv.errors import InvalidInput, UnknownName
+from coopenv.logs.corrections.oriented import oriented, written_in
 from coopenv.logs.declared.devices import Device
 from coopenv.logs.declared.stamps import Origin
 from coopenv.logs.formats import open_source, parts_of
@@ -51,6 +52,7 @@ def open_recording(path: str | os.PathLike, layout: Layout, *, strict: bool = Tr
     alone = len(devices) == 1 and not (first.part or first.rate or first.delay or first.time)
     if alone and layout.join_rate is None and not first.unit:
         source = open_source(path, first.dialect, layout.limits)
+        source = oriented(source, f"{path}", layout)
     else:
         source = _joined(path, layout, devices, strict)
         columns = {name: theirs for name, theirs in layout.columns.items() if name != "time"}
@@ -97,6 +99,29 @@ def _joined(path: Path, layout: Layout, devices: tuple[Device, ...], strict: boo
         )
         for device in devices
     ]
+    _orient(path, layout, streams)
     clock = streams[names.index(layout.clock) if layout.clock else 0]
     kept = clock if layout.join_rate is None else None
     return JoinedSource(streams, kept, layout.join_rate, layout.limits, by_rows=by_rows)
+
+
+def _orient(path: Path, layout: Layout, streams: list[Stream]) -> None:
+    """Make the documented orientation of the device that has the columns of ``[pose]``."""
+    asked = written_in(layout)
+    if not asked:
+        return
+    found: list[tuple[Stream, tuple[str, ...]]] = []
+    for stream in streams:
+        own = tuple(name.removeprefix(f"{stream.name}/") for name in asked)
+        stream.source.offer(own)
+        if set(own) <= set(stream.source.columns):
+            found.append((stream, own))
+    if len(found) != 1:
+        which = " and ".join(stream.name for stream, _ in found) or "none"
+        remedy = f"write {found[0][0].name}/{asked[0]} …" if found else "look at their names"
+        raise InvalidInput(
+            f"{path}: pose.columns must be columns of one device, got {', '.join(asked)} of "
+            f"{which}; {remedy}"
+        )
+    stream, own = found[0]
+    stream.source = oriented(stream.source, f"{stream.path}", layout, own)

@@ -14,7 +14,7 @@ class JoinedChunk(Chunk):
     """Rows of a clock, with what others say at their times."""
 
     clock: Chunk | None
-    called: str  # whose rows they are, if not of the recording itself
+    whose: str  # whose rows they are, if not of the recording itself
     index: IntArray  # (T,) rows of the clock
     own: Mapping[str, str]  # column -> its name in the file of the clock
     owner: Mapping[str, str]  # column -> device
@@ -23,7 +23,13 @@ class JoinedChunk(Chunk):
         """As the clock calls it."""
         if self.clock is None:
             return f"row {self.first_row + row}"
-        return self.clock.place(int(self.index[row])) + self.called
+        return self.clock.place(int(self.index[row])) + self.whose
+
+    def called(self, column: str) -> str:
+        """As the clock calls what it has under the same name."""
+        if self.clock is not None and self.own.get(column) == column:
+            return self.clock.called(column)
+        return f"column {column!r}"
 
     def text(self, row: int, column: str) -> str:
         """What the clock's file says; of other devices, that they say nothing."""

@@ -90,6 +90,9 @@ class JoinedSource(Source):
         self.repeated = {
             name for stream in self._streams for name in stream.source.repeated
         } - {TIME}  # fmt: skip
+        self.made = [
+            name for name, (stream, own) in self._place.items() if own in stream.source.made
+        ]
         self.left_out = [
             name if len(self._streams) == 1 else f"{stream.name}/{name}"
             for stream in self._streams
@@ -134,6 +137,11 @@ class JoinedSource(Source):
         self._roles = roles
 
     @property
+    def num_fields(self) -> int:
+        """Of the file whose rows are kept."""
+        return len(self.columns) if self._clock is None else self._clock.source.num_fields
+
+    @property
     def notes(self) -> Sequence[str]:
         """How many rows there are, and what was passed over."""
         said = []
@@ -144,6 +152,11 @@ class JoinedSource(Source):
                 f"{self._span[0]:.6g} s to {self._span[1]:.6g} s; between samples "
                 + ", ".join(f"{each.name} {each.method}" for each in self._others)
             )
+        said += [
+            f"delay: times of {each.name} taken {each.delay:g} s earlier"
+            for each in self._streams
+            if each.delay
+        ]
         for stream in self._others:
             if stream.equal:
                 said.append(f"{stream.equal:,} samples of {stream.name} had the time before's")
@@ -286,7 +299,7 @@ class JoinedSource(Source):
             bad={n: clock.bad[c][index] for n, c in own.items() if clock and c in clock.bad},
             fields=None if clock is None or clock.fields is None else clock.fields[index],
             clock=clock,
-            called="" if first or self._clock is None else f" of {self._clock.path}",
+            whose="" if first or self._clock is None else f" of {self._clock.path}",
             index=index,
             own=own,
             owner={name: c.stream.name for name, c in place.items()},

@@ -66,6 +66,11 @@ class Stream:
         self.progress = 0.0  # share of the file that has been read
 
     @property
+    def delay(self) -> float:
+        """By which its stamps are late [s]."""
+        return self._device.delay
+
+    @property
     def columns(self) -> list[str]:
         """All but that of time."""
         return [name for name in self.source.columns if name != self.time_column]
@@ -207,7 +212,7 @@ class Stream:
                 (
                     whole & bad,
                     lambda row, name=name: (
-                        f", column {name!r} must be {chunk.rule}, got "
+                        f", {chunk.called(name)} must be {chunk.rule}, got "
                         f"{shown(chunk.text(row, name))!r}"
                     ),
                 )

@@ -1,0 +1,207 @@
+"""The usual mistakes with sensors and poses, and which of them would account for a misfit.
+
+Each is tried against the motion of a body whose mass and inertia are known. The simplest of those
+that account for about as much as the best is the likeliest.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations, permutations, product
+
+import numpy as np
+
+from coopenv.arrays import FloatArray
+from coopenv.logs.consistency.corrected import UNIT, Corrected
+from coopenv.logs.consistency.fitted import (
+    bias,
+    center_of_mass,
+    handle,
+    offset,
+    rotation,
+    units,
+    weight,
+)
+from coopenv.logs.consistency.found import Explanation, sensors_named
+from coopenv.logs.consistency.known import Motion, Windows
+from coopenv.logs.consistency.misfit import Misfit
+from coopenv.logs.layout import UNITS, Layout
+
+DOUBT = 0.0005  # share that is left, above which a mistake is looked for
+BETTER = 0.3  # of it, that a mistake may leave
+ENOUGH = 0.2  # and the most that one may leave
+ALIKE = 2.0  # times what the best leaves: as good
+MOST_EFFECTORS = 6  # of which sensors are tried one by one
+AXES = "xyz"
+
+
+def explanations(
+    windows: Sequence[Windows],
+    misfit: Misfit,
+    layout: Layout,
+    dimension: int,
+    delay: tuple[float, float],
+) -> Iterator[Explanation]:
+    """Mistakes that would account for most of what is left, likeliest first; at most three.
+
+    ``delay`` is the one that fits best [s], and the share that it leaves.
+    """
+    left = misfit.share()
+    if left < DOUBT:
+        return
+    d = dimension
+    tried = [*_of_pose(windows, misfit, layout, delay, d)]
+    if windows[0].motion.force.shape[1] <= MOST_EFFECTORS:
+        sums = Corrected(windows, misfit, layout.body, d)
+        for groups in _groups(sums.num_effectors):
+            tried += _turned(sums, groups)
+            tried += rotation(sums, groups, layout)
+            tried += offset(sums, groups, layout)
+            tried += handle(sums, groups)
+        tried += [*bias(sums), *weight(sums)]
+        tried += units(sums, layout)
+        tried += center_of_mass(sums, layout)
+    good = [each for each in tried if each.left < min(BETTER * left, ENOUGH)]
+    if not good:
+        return
+    least = min(each.left for each in good)
+    alike = [each for each in good if each.left <= ALIKE * least + 0.002 * left]
+    kinds: dict[str, Explanation] = {}
+    for each in sorted(alike, key=lambda each: (each.rank, each.left)):
+        kinds.setdefault(each.kind, each)
+    yield from [*kinds.values()][:3]
+
+
+def sentence(left: float, found: Sequence[Explanation]) -> str:
+    """The warning about what is left, and about mistakes that would account for it; or nothing."""
+    if not found:
+        if left < ENOUGH:
+            return ""
+        return (
+            f"{100 * left:.2g} % of what moves the known body is not accounted for, and none of "
+            "the usual mistakes alone would do so: look at mass, inertia and drag, at each sensor "
+            "by itself, and whether something else pushes"
+        )
+    first, *others = found
+    more = f"; or if {' or '.join(each.text for each in others)}" if others else ""
+    return (
+        f"the known body moves as the wrenches say if {first.text}: {first.remedy} (then "
+        f"{100 * first.left:.2g} instead of {100 * left:.2g} % is not accounted for{more})"
+    )
+
+
+def _groups(count: int) -> Iterator[tuple[int, ...]]:
+    """All sensors, and each alone."""
+    if count > 1:
+        yield tuple(range(count))
+    yield from ((i,) for i in range(count))
+
+
+def _of_pose(
+    windows: Sequence[Windows],
+    misfit: Misfit,
+    layout: Layout,
+    delay: tuple[float, float],
+    dimension: int,
+) -> Iterator[Explanation]:
+    """Mistakes of times, of frames and of orientations, and grips that are exchanged."""
+    late, left = delay
+    if abs(late) > 0.004:
+        total = layout.pose.delay + late
+        text = f"the pose is {abs(late):.3f} s {'late' if late > 0 else 'early'}"
+        yield Explanation("delay", text, f"[pose] delay = {total:.3f}", left, 1)
+
+    def share(change) -> float:
+        motions = [Windows(change(each.motion)) for each in windows]
+        return Misfit.of(motions, layout.body, dimension).share()
+
+    if dimension == 2:
+        unit = "rad" if layout.angle == "deg" else "deg"
+        factor = UNITS["angle"][unit] / layout.factor("angle")
+        yield Explanation(
+            "angle",
+            f"theta is in {unit}",
+            f"--angle {unit}",
+            share(lambda motion: motion.turned_by(factor)),
+            1,
+        )
+    if dimension == 3:
+        order = "wxyz" if layout.pose.order == "xyzw" else "xyzw"
+        places = [3, 0, 1, 2] if order == "xyzw" else [1, 2, 3, 0]
+        yield Explanation(
+            "order",
+            f"quaternions are {' '.join(order)}",
+            f'[pose] order = "{order}"',
+            share(lambda motion: replace(motion, quaternion=motion.quaternion[:, places])),
+            1,
+        )
+        yield Explanation(
+            "inverse",
+            "orientations turn the world's vectors to the object's",
+            "take the inverse (of a matrix, order = columns)",
+            share(lambda motion: replace(motion, quaternion=motion.quaternion * [1, -1, -1, -1])),
+            1,
+        )
+    frame = "world" if layout.frame == "object" else "object"
+    yield Explanation(
+        "frame",
+        f"forces and torques are in the {frame} frame",
+        f"--frame {frame}",
+        share(lambda motion: _in_other_frame(motion, frame)),
+        1,
+    )
+    count = windows[0].motion.force.shape[1]
+    for i, j in combinations(range(count if count <= 4 else 0), 2):
+        swapped = list(range(count))
+        swapped[i], swapped[j] = j, i
+        yield Explanation(
+            "grips",
+            f"the grips of effectors {i + 1} and {j + 1} are exchanged",
+            "exchange them",
+            share(lambda motion, to=swapped: replace(motion, grips=motion.grips[:, to])),
+            1,
+        )
+
+
+def _in_other_frame(motion: Motion, frame: str) -> Motion:
+    turn = Windows(motion).turn
+    turn = turn.swapaxes(-1, -2) if frame == "world" else turn
+    return replace(
+        motion,
+        force=np.einsum("tij,tnj->tni", turn, motion.force),
+        torque=np.einsum("tij,tnj->tni", turn, motion.torque),
+    )
+
+
+def _turned(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
+    """Signs and axes of some sensors: the mistakes that have no number."""
+    who, d = sensors_named(group, sums.num_effectors), len(sums.force_axes)
+    keys = f"[sensors.{group[0] + 1}]" if len(group) == 1 else "each sensor's table"
+
+    def left(force: FloatArray, torque: FloatArray) -> float:
+        return sums.share(
+            sums.numbers(dict.fromkeys(group, force), torque_axes=dict.fromkeys(group, torque))
+        )
+
+    text = f"the reaction on {who} is recorded"
+    yield Explanation("sign", text, f"{keys} sign = -1", left(-UNIT, -UNIT), 0)
+    text = f"torques of {who} have the other sign"
+    yield Explanation("sign", text, "turn it, --map t1z=-t1z …", left(UNIT, -UNIT), 0)
+    for a in sums.force_axes:
+        flip = np.diag([-1.0 if b == a else 1.0 for b in range(3)])
+        name = f"f{AXES[a]}"
+        text = f"{name} of {who} has the other sign"
+        yield Explanation("axis", text, f"turn it, --map {name}=-{name} …", left(flip, UNIT), 0)
+    for order in permutations(range(d)):
+        for signs in product((1.0, -1.0), repeat=d):
+            if order == tuple(range(d)):
+                continue
+            matrix = np.eye(3)
+            matrix[:d, :d] = np.array(signs)[:, None] * np.eye(d)[list(order)]
+            axes = ", ".join(
+                f"{AXES[a]} is {'-' if signs[a] < 0 else ''}{AXES[order[a]]}" for a in range(d)
+            )
+            rank = 1 if min(signs) > 0 else 2
+            for torque, kind in ((matrix, "axes"), (UNIT, "axes of forces"))[3 - d :]:
+                text = f"{kind} of {who} are exchanged ({axes} of the file)"
+                remedy = "exchange them with --map"
+                yield Explanation("axes", text, remedy, left(matrix, torque), rank)

@@ -1,0 +1,218 @@
+"""Mistakes that have numbers, which are fitted: rotation, offset, bias, load, units, centre."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from coopenv.arrays import FloatArray
+from coopenv.logs.consistency.corrected import Corrected, Key
+from coopenv.logs.consistency.found import Explanation, are, sensors_named
+from coopenv.logs.layout import UNITS, Layout
+
+LEAST_TURN = np.radians(2.0)
+LEAST_OFFSET = 0.004  # [m]
+LEAST_MASS = 0.01  # [kg]
+MOST_LOAD = 0.5  # of the body's mass
+NEAR = 0.03  # of a factor between two units
+RANKS = {"units": 0, "load": 2, "rotation": 3, "offset": 3, "com": 3, "bias": 4, "gain": 4}
+
+
+def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
+    """Sensors that are turned against the object, each by its own."""
+    from scipy.optimize import least_squares
+
+    plane = len(sums.force_axes) == 2
+    matrix, target = sums.residuals()
+    size = 1 if plane else 3
+
+    def axes(vectors: FloatArray) -> dict[int, FloatArray]:
+        turned = vectors.reshape(len(group), size)
+        if plane:
+            turned = np.hstack([np.zeros((len(group), 2)), turned])
+        return dict(zip(group, Rotation.from_rotvec(turned).as_matrix(), strict=True))
+
+    def left(vectors: FloatArray) -> FloatArray:
+        return matrix @ sums.numbers(axes(vectors)) - target
+
+    starts = [np.zeros(size * len(group))]
+    starts += [np.full(size * len(group), each) for each in ((2.0, -2.0) if plane else (1.0,))]
+    best = min((least_squares(left, start) for start in starts), key=lambda each: each.cost)
+    turned = best.x.reshape(len(group), size)
+    angle = np.linalg.norm(turned, axis=-1)
+    if angle.max() < LEAST_TURN:
+        return
+    unit = layout.factor("angle")
+    if plane:
+        values = [f"{float(each[0]) / unit:.3g}" for each in turned]
+        said = " and ".join(f"{np.degrees(float(each[0])):.3g}°" for each in turned)
+    else:
+        quaternions = Rotation.from_rotvec(turned).as_quat()[:, [3, 0, 1, 2]]
+        values = [f"{{ quaternion = {_listed(each, 3)} }}" for each in quaternions]
+        said = " and ".join(f"{np.degrees(float(each)):.3g}°" for each in angle)
+    yield Explanation(
+        "rotation",
+        f"{sensors_named(group, sums.num_effectors)} {are(group)} turned by {said}",
+        _tables(group, "rotation", values),
+        sums.share(sums.numbers(axes(best.x))),
+        RANKS["rotation"],
+    )
+
+
+def offset(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
+    """Sensors that are not where the hand grips."""
+    keys = [("offset", i, a) for i in group for a in sums.force_axes]
+    found = sums.fitted(keys)
+    places = found.reshape(len(group), -1)
+    if np.linalg.norm(places, axis=-1).max() < LEAST_OFFSET:
+        return
+    values = [_as_declared(i, each, layout) for i, each in zip(group, places, strict=True)]
+    yield Explanation(
+        "offset",
+        f"{sensors_named(group, sums.num_effectors)} {are(group)} beside the grip, which is "
+        f"{' and '.join(f'{_listed(each, 3)} m' for each in places)} from there (object's axes)",
+        _tables(group, "offset", values),
+        sums.share_with(keys, found),
+        RANKS["offset"],
+    )
+
+
+def bias(sums: Corrected) -> Iterator[Explanation]:
+    """A constant in the readings; of which sensor, their sum does not tell."""
+    forces = [("bias force", a) for a in sums.force_axes]
+    torques = [("bias torque", a) for a in sums.torque_axes]
+    found = sums.fitted([*forces, *torques])
+    force, torque = -found[: len(forces)], -found[len(forces) :]
+    yield Explanation(
+        "bias",
+        f"sensors have a bias, together of {_listed(force, 3)} N and about the centre of mass "
+        f"{_listed(torque, 3)} N·m",
+        "take it off, [sensors.1] tare = { first = 1.0 } where they hold nothing in that time, "
+        "or as numbers",
+        sums.share_with([*forces, *torques], found),
+        RANKS["bias"],
+    )
+
+
+def weight(sums: Corrected) -> Iterator[Explanation]:
+    """Weight of what hangs on sensors; on which of them, their sum does not tell."""
+    keys = weights(sums)
+    found = sums.fitted(keys)
+    mass = float(found[0])
+    light = LEAST_MASS < abs(mass) < MOST_LOAD * sums.mass
+    if not light or not sums.bodies_pull.any():
+        return
+    side = "hand" if mass > 0 else "object"
+    yield Explanation(
+        "load",
+        f"sensors carry together {abs(mass):.3g} kg on the {side}'s side",
+        f'[sensors.1] load = {{ mass = …, center = […], side = "{side}" }}',
+        sums.share_with(keys, found),
+        RANKS["load"],
+    )
+
+
+def weights(sums: Corrected) -> list[Key]:
+    """Columns of the weight of loads."""
+    return [("weight",), *(("weight moment", a) for a in sums.force_axes)]
+
+
+def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
+    """Weight and inertia of what hangs on sensors."""
+    keys = [("mass", i) for i in group]
+    keys += [("moment", i, a) for i in group for a in sums.force_axes]
+    found = sums.fitted(keys)
+    masses = found[: len(group)]
+    if not LEAST_MASS < np.abs(masses).sum() < MOST_LOAD * sums.mass:
+        return
+    alike = (masses > 0).all() or (masses < 0).all()
+    side = "hand" if masses[0] > 0 else "object"
+    if not alike:
+        return
+    said = " and ".join(f"{abs(float(each)):.3g} kg" for each in masses)
+    carry = "carries" if len(group) == 1 else "carry"
+    yield Explanation(
+        "load",
+        f"{sensors_named(group, sums.num_effectors)} {carry} {said} on the {side}'s side",
+        _tables(group, "load", [f'{{ mass = {abs(m):.3g}, side = "{side}" }}' for m in masses]),
+        sums.share_with(keys, found),
+        RANKS["load"] + 1,
+    )
+
+
+def units(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
+    """Forces, or torques, or both, in another unit."""
+    force, torque = sums.numbers({}, torque=0.0), sums.numbers({}, force=0.0)
+    loads = any(sensor.load is not None for sensor in layout.sensors.values())
+    moves = [i for i in range(sums.num_effectors) if _offset_of(layout, i)]
+    # what was taken off readings, and added to them, in the wrong unit
+    keys = [("offset", i, a) for i in moves for a in sums.force_axes]
+    keys += weights(sums) if loads else []
+    columns = np.stack([force, torque, *(sums.only(key) for key in keys)], axis=-1)
+    matrix, target = sums.residuals()
+    gains = np.linalg.lstsq(matrix @ columns, target, rcond=1e-9)[0]
+    names, remedies = [], []
+    rank = RANKS["units"]
+    for kind, gain in zip(("force", "torque"), gains[:2].tolist(), strict=True):
+        if gain <= 0:
+            return
+        if abs(gain - 1) < NEAR:
+            continue
+        unit = _unit_of(kind, gain * layout.factor(kind))
+        wrong = f"{gain:.3g} times too small" if gain > 1 else f"{1 / gain:.3g} times too large"
+        names.append(f"{kind}s are {f'in {unit}' if unit else wrong}")
+        remedies.append(f"--{kind} {unit}" if unit else f"scale {kind}s")
+        rank = rank if unit else RANKS["gain"]
+    if names:
+        left = sums.share(columns @ gains)
+        yield Explanation("units", " and ".join(names), ", ".join(remedies), left, rank)
+
+
+def center_of_mass(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
+    """A tracked origin that is not the centre of mass."""
+    keys = [("com", a) for a in sums.force_axes]
+    found = sums.fitted(keys)
+    if np.linalg.norm(found) > LEAST_OFFSET:
+        unit = layout.factor("length")
+        yield Explanation(
+            "com",
+            f"the centre of mass is at {_listed(found, 3)} m of the tracked frame",
+            f"[pose] com = {_listed(found / unit, 3)}",
+            sums.share_with(keys, found),
+            RANKS["com"],
+        )
+
+
+def _offset_of(layout: Layout, i: int) -> tuple[float, ...]:
+    sensor = layout.sensors.get(i + 1)
+    return () if sensor is None else sensor.offset
+
+
+def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
+    """What an offset along the object's axes [m] makes of the one that a layout may have."""
+    sensor = layout.sensors.get(i + 1)
+    unit = layout.factor("length")
+    if sensor is None:
+        return _listed(place / unit, 3)
+    matrix = sensor.matrix(len(place), layout.factor("angle"), f"sensors.{i + 1}")
+    own = place if matrix is None else matrix.T @ place
+    return _listed(own / unit + (np.array(sensor.offset) if sensor.offset else 0.0), 3)
+
+
+def _unit_of(kind: str, size: float) -> str:
+    """The unit of that size, if it is near one."""
+    for unit, factor in UNITS[kind].items():
+        if abs(size / factor - 1) < NEAR:
+            return unit
+    return ""
+
+
+def _tables(group: tuple[int, ...], key: str, values: Sequence[str]) -> str:
+    """Lines of a layout."""
+    return ", ".join(
+        f"[sensors.{i + 1}] {key} = {value}" for i, value in zip(group, values, strict=True)
+    )
+
+
+def _listed(numbers: FloatArray, digits: int) -> str:
+    return f"[{', '.join(f'{float(each):.{digits}g}' for each in numbers)}]"
