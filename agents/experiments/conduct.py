@@ -9,7 +9,7 @@ from coopenv.files import locked, require_folder
 
 from .cell import Cell
 from .grid import Experiment
-from .report import Results, save, write_report
+from .report import Results, is_experiment, report_folder, save, write_report
 from .run import Launch, Show, run_cells
 from .search import Search
 
@@ -72,6 +72,7 @@ def conduct(
         )
     require_folder(experiment.out)
     with locked(experiment.out):
+        _require_no_other_report(experiment.out)
 
         def run(cells: list[Cell], out: Path) -> Mapping[str, str]:
             return run_cells(cells, out, workers=workers, launch=launch, show=show)
@@ -87,3 +88,13 @@ def conduct(
         results = Results.load(experiment.out)
         files = write_report(results, experiment.out) if results.runs else []
     return Outcome(cells=len(cells), failures=failures, results=results, files=files)
+
+
+def _require_no_other_report(out: Path) -> None:
+    """Raise `InvalidInput` if the report would be written among files that no experiment wrote."""
+    folder = report_folder(out)
+    if not is_experiment(out) and folder.exists():
+        raise InvalidInput(
+            f"out must hold no other report, got {out}, where {folder.name} is there and no "
+            "experiment is; choose another out (--out), or move it away"
+        )

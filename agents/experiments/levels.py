@@ -88,7 +88,10 @@ def named_levels(axis: str, given: Any, source: Source) -> Iterator[tuple[str, A
         levels = [(name, value, (*place, name)) for name, value in given.items()]
     else:
         several = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
-        levels = [(_label_of(v, axis), v, (*place, k)) for k, v in enumerate(several)]
+        levels = []
+        for number, value in enumerate(several):
+            with source.at((*place, number)):
+                levels.append((_label_of(value, axis), value, (*place, number)))
     with source.at(place):
         if not levels:
             raise InvalidInput(f"{axis} must have at least one level, got none; leave the axis out")
