@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from coopenv.arrays import whole
 from coopenv.errors import InvalidInput
 from coopenv.files import locked, require_folder
 
@@ -64,12 +65,7 @@ def conduct(
     InvalidInput, UnknownName
         If the experiment breaks a rule, or its folder holds something else.
     """
-    experiment.cells()
-    if tune and search is None:
-        raise InvalidInput(
-            f"tune must come with a space that is searched, got {tune} without one; write "
-            "[search.space] into the file"
-        )
+    check(experiment, search=search, tune=tune, workers=workers)
     require_folder(experiment.out)
     with locked(experiment.out):
         _require_no_other_report(experiment.out)
@@ -88,6 +84,25 @@ def conduct(
         results = Results.load(experiment.out)
         files = write_report(results, experiment.out) if results.runs else []
     return Outcome(cells=len(cells), failures=failures, results=results, files=files)
+
+
+def check(
+    experiment: Experiment,
+    *,
+    search: Search | None = None,
+    tune: int = 0,
+    workers: int | None = None,
+) -> list[Cell]:
+    """Raise what `conduct` would of its arguments, before anything is written; return the cells."""
+    cells = experiment.cells()
+    if workers is not None:
+        whole(workers, "workers", at_least=1)
+    if whole(tune, "tune", at_least=0) and search is None:
+        raise InvalidInput(
+            f"tune must come with a space that is searched, got {tune} without one; write "
+            "[search.space] into the file"
+        )
+    return cells
 
 
 def _require_no_other_report(out: Path) -> None:
