@@ -103,9 +103,12 @@ def named_levels(axis: str, given: Any, source: Source) -> Iterator[tuple[str, A
                     f"label of a level of {axis} must be letters, digits, _ . + or -, at most 60, "
                     f"got {label!r}; it names a folder: rename it"
                 )
-            if label in labels:
-                raise InvalidInput(f"level of {axis} must be there once, got {label!r} again")
-            labels.add(label)
+            if label.lower() in labels:  # some file systems tell no capitals apart
+                raise InvalidInput(
+                    f"level of {axis} must be there once, whatever its capitals, got {label!r} "
+                    "again; it names a folder: rename it"
+                )
+            labels.add(label.lower())
         yield label, value, where
 
 

@@ -171,6 +171,7 @@ def test_a_mistake_in_the_space_of_a_search_is_told_with_its_line(wrong, said, f
     [
         ({"grid": {"reward": []}}, "at least one level"),
         ({"grid": {"reward": ["task", "task"]}}, "once"),
+        ({"grid": {"reward": {"soft": "task", "Soft": "harmony"}}}, "got 'Soft' again"),
         ({"grid": {"reward": [{"preset": "task"}]}}, "must have a name"),
         ({"grid": {"algorithm": {"a": {"name": "random", "epochs": 2}}}}, "learns nothing"),
         ({"exclude": [{"algorithm": "scripted"}, {"algorithm": "random"}]}, "all of them excluded"),
