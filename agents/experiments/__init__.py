@@ -1,6 +1,6 @@
 """Experiments: grids of runs that run themselves, searches, sweeps of a weight, reports."""
 
-from .conduct import Outcome, conduct
+from .conduct import Outcome, check, conduct
 from .file import load
 from .grid import Experiment
 from .report import Results, write_report
@@ -12,6 +12,7 @@ __all__ = [
     "Outcome",
     "Results",
     "Search",
+    "check",
     "conduct",
     "load",
     "sweep",

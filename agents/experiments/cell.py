@@ -46,7 +46,7 @@ class Cell:
     @property
     def setting(self) -> str:
         """Its levels in one word, as part of a path."""
-        return ",".join(f"{axis}={label}" for axis, label in self.levels.items()) or "all"
+        return setting_name(self.levels)
 
     @property
     def folder(self) -> str:
@@ -138,6 +138,11 @@ class Cell:
         """Whether its result is there."""
         path = folder / RESULT
         return path.exists() and read_json(path).get("cell") == self.digest()
+
+
+def setting_name(levels: Mapping[str, str]) -> str:
+    """Levels in one word."""
+    return ",".join(f"{axis}={label}" for axis, label in levels.items()) or "all"
 
 
 def digest_of(identity: Mapping[str, Any]) -> str:

@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from coopenv.arrays import whole
 from coopenv.errors import InvalidInput
 from coopenv.files import locked, require_folder
 
 from .cell import Cell
 from .grid import Experiment
-from .report import Results, save, write_report
+from .report import Results, is_experiment, report_folder, save, write_report
 from .run import Launch, Show, run_cells
 from .search import Search
 
@@ -64,14 +65,10 @@ def conduct(
     InvalidInput, UnknownName
         If the experiment breaks a rule, or its folder holds something else.
     """
-    experiment.cells()
-    if tune and search is None:
-        raise InvalidInput(
-            f"tune must come with a space that is searched, got {tune} without one; write "
-            "[search.space] into the file"
-        )
+    check(experiment, search=search, tune=tune, workers=workers)
     require_folder(experiment.out)
     with locked(experiment.out):
+        _require_no_other_report(experiment.out)
 
         def run(cells: list[Cell], out: Path) -> Mapping[str, str]:
             return run_cells(cells, out, workers=workers, launch=launch, show=show)
@@ -87,3 +84,32 @@ def conduct(
         results = Results.load(experiment.out)
         files = write_report(results, experiment.out) if results.runs else []
     return Outcome(cells=len(cells), failures=failures, results=results, files=files)
+
+
+def check(
+    experiment: Experiment,
+    *,
+    search: Search | None = None,
+    tune: int = 0,
+    workers: int | None = None,
+) -> list[Cell]:
+    """Raise what `conduct` would of its arguments, before anything is written; return the cells."""
+    cells = experiment.cells()
+    if workers is not None:
+        whole(workers, "workers", at_least=1)
+    if whole(tune, "tune", at_least=0) and search is None:
+        raise InvalidInput(
+            f"tune must come with a space that is searched, got {tune} without one; write "
+            "[search.space] into the file"
+        )
+    return cells
+
+
+def _require_no_other_report(out: Path) -> None:
+    """Raise `InvalidInput` if the report would be written among files that no experiment wrote."""
+    folder = report_folder(out)
+    if not is_experiment(out) and folder.exists():
+        raise InvalidInput(
+            f"out must hold no other report, got {out}, where {folder.name} is there and no "
+            "experiment is; choose another out (--out), or move it away"
+        )

@@ -1,7 +1,6 @@
 """Files of experiments: TOML, every key of it known, each mistake told with its line."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -69,8 +68,3 @@ def _options(given: Mapping[str, Any], source: Source) -> dict[str, Any]:
                 rule = "true or false" if kind is bool else "a text"
                 raise InvalidInput(f"{name} must be {rule}, got {value!r}; write one")
     return {**given, **({"out": Path(given["out"])} if "out" in given else {})}
-
-
-def moved(experiment: Experiment, out: Path | None) -> Experiment:
-    """The experiment in another folder, if one is given."""
-    return experiment if out is None else replace(experiment, out=out)

@@ -14,7 +14,7 @@ from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from ..provenance import Provenance
 from ..seeds import evaluation_seeds
 from ..settings import TrainConfig
-from .cell import Cell
+from .cell import Cell, setting_name
 from .culprit import culprit
 from .levels import (
     AXES,
@@ -30,6 +30,7 @@ from .terms import with_terms
 
 MOST_SEED = 999  # of a grid: those above are the search's
 MOST_CELLS = 100_000
+LONGEST = 240  # letters of the folder of a setting; most file systems have names of up to 255
 PROBLEMS = ("task", "body")  # axes that are problems to be solved, not ways of solving them
 
 
@@ -103,7 +104,7 @@ class Experiment:
             if not isinstance(self.problems, Sequence) or isinstance(self.problems, str):
                 raise InvalidInput(f"problems must be axes, got {self.problems!r}; list them")
             for axis in self.problems:
-                if axis not in AXES:
+                if axis not in tuple(AXES):  # which may be asked for a list too
                     raise UnknownName("problems", axis, AXES)
         for axis in self.grid:
             with at(("grid", axis)):
@@ -212,6 +213,7 @@ class Experiment:
                 f"{error} (levels that do not go together: {names}; {where}; mend them, or exclude "
                 "that setting)"
             ) from error
+        self._require_short(setting)
         for seed in self.seeds:
             yield Cell(
                 levels={level.axis: level.label for level in setting},
@@ -224,6 +226,17 @@ class Experiment:
                 continues=self.continues,
                 wandb=self.wandb,
             )
+
+    def _require_short(self, setting: Sequence[Level]) -> None:
+        """Raise `InvalidInput` if no folder can bear the labels of a setting, where it stands."""
+        name = setting_name({level.axis: level.label for level in setting})
+        if len(name) > LONGEST:
+            with self.source.at(max(setting, key=lambda level: len(level.label)).place):
+                raise InvalidInput(
+                    f"labels of a setting must together be at most {LONGEST} letters with the "
+                    f"names of their axes, got {len(name)} of {name!r}; they name a folder: "
+                    "shorten them"
+                )
 
     def _is_excluded(self, setting: Sequence[Level]) -> bool:
         labels = {level.axis: level.label for level in setting}

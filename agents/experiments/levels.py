@@ -88,7 +88,10 @@ def named_levels(axis: str, given: Any, source: Source) -> Iterator[tuple[str, A
         levels = [(name, value, (*place, name)) for name, value in given.items()]
     else:
         several = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
-        levels = [(_label_of(v, axis), v, (*place, k)) for k, v in enumerate(several)]
+        levels = []
+        for number, value in enumerate(several):
+            with source.at((*place, number)):
+                levels.append((_label_of(value, axis), value, (*place, number)))
     with source.at(place):
         if not levels:
             raise InvalidInput(f"{axis} must have at least one level, got none; leave the axis out")
@@ -100,9 +103,12 @@ def named_levels(axis: str, given: Any, source: Source) -> Iterator[tuple[str, A
                     f"label of a level of {axis} must be letters, digits, _ . + or -, at most 60, "
                     f"got {label!r}; it names a folder: rename it"
                 )
-            if label in labels:
-                raise InvalidInput(f"level of {axis} must be there once, got {label!r} again")
-            labels.add(label)
+            if label.lower() in labels:  # some file systems tell no capitals apart
+                raise InvalidInput(
+                    f"level of {axis} must be there once, whatever its capitals, got {label!r} "
+                    "again; it names a folder: rename it"
+                )
+            labels.add(label.lower())
         yield label, value, where
 
 

@@ -17,7 +17,7 @@ from coopenv.arrays import whole
 from coopenv.errors import InvalidInput, MissingExtra, UnknownName
 from coopenv.files import written
 
-from .cell import FORMAT, RESULT, Cell, read_json
+from .cell import FORMAT, RESULT, Cell, digest_of, read_json
 from .grid import MOST_SEED, Experiment
 from .levels import LEARNER, read_level
 from .report.measures import MEASURES, SUCCESS
@@ -71,7 +71,7 @@ class Search:
         with at(("search", "seeds")):
             whole(given.get("seeds", 2), "seeds", at_least=1, at_most=1000)
         with at(("search", "objective")):
-            if given.get("objective", SUCCESS) not in MEASURES:
+            if given.get("objective", SUCCESS) not in tuple(MEASURES):
                 raise UnknownName("objective", given["objective"], MEASURES)
         _check_only(given.get("only", {}), experiment)
         space = given.get("space", {})
@@ -179,27 +179,36 @@ class Search:
         run: Run,
     ) -> float | None:
         """Mean objective of a trial; ``None`` if one of its cells failed or has none."""
-        path = place / TRIAL
-        if path.exists():
-            found = read_json(path)
-            if found.get("settings") == json.loads(json.dumps(settings)):
-                return found.get("value")
-            raise InvalidInput(
-                f"out must hold no other search, got {path}, which is of other settings; choose "
-                "another out (--out), or move the folder away"
-            )
+        path, cells, why = place / TRIAL, [], ""
         try:
             cells = self.cells(experiment, label, settings)
         except InvalidInput as error:  # settings that do not go together
-            value, why = None, str(error)
-        else:
+            why = str(error)
+        told = {"objective": self.objective, "cells": [cell.digest() for cell in cells]}
+        mark = digest_of({"settings": dict(settings), **told})
+        if path.exists():
+            found = read_json(path)
+            if found.get("trial") == mark:
+                return found.get("value")
+            raise InvalidInput(
+                f"out must hold no other search, got {path}, which is of other settings or of "
+                "another experiment; choose another out (--out), or move the folder away"
+            )
+        value = None
+        if cells:
             failures = run(cells, place)
             seen = (
                 [] if failures else [_seen(place / cell.folder, self.objective) for cell in cells]
             )
             value = float(np.mean(seen)) if seen and all(map(isfinite, seen)) else None
             why = "; ".join(failures.values())
-        content = {"format": FORMAT, "settings": settings, "value": value, "failed": why}
+        content = {
+            "format": FORMAT,
+            "trial": mark,
+            "settings": settings,
+            "value": value,
+            "failed": why,
+        }
         with written(path) as part:
             part.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
         return value

@@ -126,11 +126,11 @@ def _conduct(
     command: RunExperiment | Sweep,
     console: "Console",
 ) -> None:
-    from coopenv.agents.experiments import conduct
+    from coopenv.agents.experiments import check, conduct
     from coopenv.agents.experiments.tracking import found
 
     tune = command.tune if isinstance(command, RunExperiment) else 0
-    cells = experiment.cells()
+    cells = check(experiment, search=search, tune=tune, workers=command.workers)
     if command.dry_run:
         _print_plan(experiment, len(cells), console)
         return

@@ -23,6 +23,7 @@ else:
 
 SUFFIXES = (".png", ".svg", ".pdf")
 DPI = 150  # of PNG
+WIDEST = 400  # letters that a table may need, however narrow the terminal
 COMPONENTS = {
     3: ("fx [N]", "fy [N]", "tz [N·m]"),
     6: ("fx [N]", "fy [N]", "fz [N]", "tx [N·m]", "ty [N·m]", "tz [N·m]"),
@@ -89,6 +90,11 @@ class Show:
             torque_weight=self.torque_weight,
             include_induced=self.include_induced,
         )
+        if self.internal is not None and (self.method, self.solver) != ("optimal", "auto"):
+            raise InvalidInput(
+                "only one of internal and method must be given, got both; leave out method and "
+                "solver for a split of your own"
+            )
         own = None if self.internal is None else _shaped(self.internal, "internal", applied.shape)
         weights = {"torque_weight": self.torque_weight, "include_induced": self.include_induced}
         chosen: dict[str, Any] = {"decomposition": split} if own is None else {"internal": own}
@@ -97,7 +103,10 @@ class Show:
             axes.set_title(f"{where}, {axes.get_title()}", fontsize=10, parse_math=False)
         console = Console()
         internal = split.internal if own is None else own
-        console.print(split_table(applied, internal, axes.get_title()))
+        table = split_table(applied, internal, axes.get_title())
+        needed = console.measure(table, options=console.options.update(max_width=WIDEST)).maximum
+        console.width = max(console.width, needed)  # all of each number
+        console.print(table)
         for line in self._said(split, internal):
             console.print(line, markup=False, highlight=False, soft_wrap=True)
         with written(out) as part:

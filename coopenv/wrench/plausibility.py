@@ -87,6 +87,9 @@ def is_plausible(
     """
     tolerance = positive(tolerance, "tolerance", or_zero=True, at_most=1.0)
     applied, internal, grips = checked_split(applied, internal, grips)
+    size = np.maximum(np.abs(applied), np.abs(internal)).max(axis=(-2, -1), keepdims=True)
+    size = np.where(size > 0.0, size, 1.0)
+    applied, internal = applied / size, internal / size  # squares of any size are numbers then
     dimension = grips.shape[-1]
     left = residuals_of(applied, applied - internal, grips)
     force = _largest(applied[..., :dimension])

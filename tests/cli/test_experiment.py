@@ -70,9 +70,22 @@ def test_a_mistake_ends_the_command_before_anything_is_written(file, tmp_path, c
     assert not out.exists()
 
 
-def test_a_search_without_a_space_is_refused(file, tmp_path, capsys):
-    assert cli.main(["experiment", str(file), f"--out={tmp_path / 'out'}", "--tune=2"]) == 1
-    assert "write [search.space] into the file" in capsys.readouterr().err
+@pytest.mark.parametrize("dry", [[], ["--dry-run"]])
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        ("--tune=2", "write [search.space] into the file"),
+        ("--tune=-1", "tune must be a whole number of at least 0"),
+        ("--workers=0", "workers must be a whole number of at least 1"),
+    ],
+)
+def test_an_option_that_breaks_its_rule_is_refused_before_anything_is_written(
+    option, said, dry, file, tmp_path, capsys
+):
+    out = tmp_path / "out"
+    assert cli.main(["experiment", str(file), f"--out={out}", option, *dry]) == 1
+    assert said in capsys.readouterr().err
+    assert not out.exists()
 
 
 def test_a_failure_is_the_exit_code_and_the_report_is_written(file, tmp_path, monkeypatch, capsys):

@@ -62,6 +62,16 @@ def test_a_row_of_a_recording_is_found_by_number_and_by_time(trial, capsys):
     assert trial.with_name("trial.row2.png").exists()
 
 
+def test_no_number_is_cut_however_narrow_the_terminal(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "60")
+    grips = ("--grips", -0.9, 0, 0, 0.9, 0, 0)
+    applied = (-31234.567, -1.2345e-4, 0.3333, -22222.22, 33333.3, -1234.56, 0, -2.34567e10)
+    assert run("show", *grips, "--applied", *applied, 0, 0, 0, 0, "--no-regions") == 0
+    printed = capsys.readouterr().out
+    assert "…" not in printed
+    assert "-2.346e+10" in printed
+
+
 def test_a_split_that_is_not_plausible_is_called_so(capsys):
     assert run("show", *FIGHT, "--internal", 2, 0, 0, -2, 0, 0) == 0
     printed = capsys.readouterr().out
@@ -78,6 +88,10 @@ def test_a_split_that_is_not_plausible_is_called_so(capsys):
         ((*FIGHT, "--out", "wrench.gif"), "out must end in one of .png, .svg, .pdf"),
         ((*FIGHT, "--row", 1), "row must come with a file"),
         ((*FIGHT, "--internal", 1), "internal must be 6 numbers, got 1"),
+        (
+            (*FIGHT, "--internal", 1, 0, 0, -1, 0, 0, "--method", "net_force"),
+            "only one of internal and method must be given",
+        ),
         ((*FIGHT, "--torque-weight", 1), "torque_weight must be in ]0, 1["),
         ((*FIGHT, "--method", "optmal"), "did you mean 'optimal'?"),
     ],

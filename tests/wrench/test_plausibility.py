@@ -64,6 +64,14 @@ def test_the_verdict_does_not_depend_on_the_unit(scale, seed):
     np.testing.assert_array_equal(scaled, verdict)
 
 
+@pytest.mark.parametrize("scale", [1e-320, 1e-200, 1e200])
+def test_wrenches_whose_squares_are_no_numbers_are_judged_too(scale):
+    applied = np.array([(3.0, 0.0, 0.0), (-1.0, 0.0, 0.0)])
+    squeeze = np.array([(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)])
+    assert wrench.is_plausible(scale * applied, scale * squeeze, BEAM)
+    assert not wrench.is_plausible(scale * applied, 2 * scale * squeeze, BEAM)
+
+
 def test_numbers_read_off_a_figure_pass_with_a_wider_tolerance():
     read = np.array([(0.0, 1.503, 0.0), (3.0, -1.502, 0.0), (-3.0, 0.0, 0.0)])
     assert not wrench.is_plausible(TRIO, read, POINT)

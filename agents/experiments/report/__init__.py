@@ -1,7 +1,7 @@
 """Reports of experiments: results, statistics of a few runs, page, pictures."""
 
 from .page import summary
-from .results import Results, save
-from .write import write_report
+from .results import Results, is_experiment, save
+from .write import report_folder, write_report
 
-__all__ = ["Results", "save", "summary", "write_report"]
+__all__ = ["Results", "is_experiment", "report_folder", "save", "summary", "write_report"]

@@ -67,16 +67,20 @@ class Results:
         InvalidInput
             If it is no such folder, or a file in it is damaged.
         """
-        if not (out / EXPERIMENT).is_file():
+        if not is_experiment(out):
             raise InvalidInput(
                 f"folder must be that of an experiment, got {str(out)!r}, which has no "
                 f"{EXPERIMENT}; coopenv experiment and coopenv sweep make one"
             )
         given = read_json(out / EXPERIMENT)
         with reading(out / EXPERIMENT):
-            cells = [(each["folder"], each["levels"], each["seed"]) for each in given["cells"]]
-            kept = {name: given[name] for name in ("name", "axes", "problems")}
-            kept["settings_found"] = given["search"]
+            axes = {str(axis): [*map(str, labels)] for axis, labels in given["axes"].items()}
+            cells = [
+                (str(each["folder"]), {axis: each["levels"][axis] for axis in axes}, each["seed"])
+                for each in given["cells"]
+            ]
+            kept = {"name": str(given["name"]), "axes": axes, "problems": [*given["problems"]]}
+            kept["settings_found"] = {who: dict(v) for who, v in given["search"].items()}
         runs, waiting, failed = [], [], {}
         for folder, levels, seed in cells:
             run = _run(out / folder, levels, seed)
@@ -132,6 +136,11 @@ class Results:
         return scores_of([*values.values()]) if values else None
 
 
+def is_experiment(out: Path) -> bool:
+    """Whether a folder is that of an experiment, begun at least."""
+    return (out / EXPERIMENT).is_file()
+
+
 def save(experiment: Experiment, cells: Sequence[Cell], found: Mapping[str, Any]) -> None:
     """Write what an experiment is into its folder.
 
@@ -181,7 +190,8 @@ def _run(folder: Path, levels: Mapping[str, str], seed: int) -> Run | None:
             for name, value in given["evaluation"].items()
             if value is None or isinstance(value, int | float)
         }
-        versions, revision = given["versions"], given["revision"]
+        versions = {name: str(version) for name, version in given["versions"].items()}
+        revision = None if given["revision"] is None else str(given["revision"])
     return Run(
         levels=levels,
         seed=seed,

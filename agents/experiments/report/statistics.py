@@ -80,8 +80,9 @@ def probability_of_improvement(scores: Scores, others: Scores) -> FloatArray:
         )
     chances = []
     for mine, theirs in zip(scores, others, strict=True):
-        difference = mine[..., :, None] - theirs[..., None, :]
-        chances.append(0.5 + 0.5 * np.sign(difference).mean(axis=(-2, -1)))
+        one, other = mine[..., :, None], theirs[..., None, :]
+        more, ties = (pairs.mean(axis=(-2, -1)) for pairs in (one > other, one == other))
+        chances.append(more + 0.5 * ties)
     return np.mean(chances, axis=0)
 
 

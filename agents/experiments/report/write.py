@@ -24,7 +24,7 @@ def write_report(results: Results, out: Path) -> list[str]:
     Without pyarrow the table of runs is CSV, and without matplotlib there are no pictures; the
     page says so. It holds no time of day, so that equal results give equal reports.
     """
-    folder = out / FOLDER
+    folder = report_folder(out)
     estimates = estimates_of(results)
     table = _save_runs(results, folder)
     drawn, why = _draw(results, estimates, folder)
@@ -32,6 +32,11 @@ def write_report(results: Results, out: Path) -> list[str]:
     with written(folder / PAGE) as part:
         part.write_text(page, encoding="utf-8")
     return [f"{FOLDER}/{name}" for name in (PAGE, *drawn, table)]
+
+
+def report_folder(out: Path) -> Path:
+    """Where the report of an experiment lies."""
+    return out / FOLDER
 
 
 def _draw(

@@ -21,11 +21,17 @@ def draw(axes: Any, scene: Scene, *, show_regions: bool) -> None:
         _wrench(axes, scene, i, grip)
     _object_wrench(axes, scene)
     _grips(axes, scene)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal", adjustable="box" if _is_bound(axes) else "datalim")
     axes.autoscale_view()
     _scale_bars(axes, scene)
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
+
+
+def _is_bound(axes: Any) -> bool:
+    """Whether others have the limits of both of its axes, which are then not its own to widen."""
+    both = (axes.get_shared_x_axes(), axes.get_shared_y_axes())
+    return all(len(group.get_siblings(axes)) > 1 for group in both)
 
 
 def _object(axes: Any, scene: Scene) -> None:

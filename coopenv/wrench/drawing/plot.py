@@ -107,12 +107,16 @@ def _one_sample(applied: npt.ArrayLike, grips: npt.ArrayLike) -> tuple[FloatArra
                 f"{name} must be of one sample, without batch axes, got shape {array.shape}; plot "
                 f"one at a time, for example {name}[{', '.join('0' * (array.ndim - 2))}]"
             )
-        if np.abs(array).max() > LARGEST:
-            raise InvalidInput(
-                f"{name} must be at most {LARGEST:g}, got {np.abs(array).max():g}; give it in SI "
-                "units"
-            )
+        _require_drawable(name, array)
     return places, given
+
+
+def _require_drawable(name: str, array: FloatArray) -> None:
+    """Raise `InvalidInput` where a number has no square."""
+    if np.abs(array).max() > LARGEST:
+        raise InvalidInput(
+            f"{name} must be at most {LARGEST:g}, got {np.abs(array).max():g}; give it in SI units"
+        )
 
 
 def _split(
@@ -135,9 +139,15 @@ def _split(
                 f"internal must be of shape {applied.shape} as applied, got {own.shape}; plot one "
                 "split at a time"
             )
+        _require_drawable("internal", own)
         return own, "own split"
     if decomposition is None:
         return decompose(applied, grips, **settings).internal, settings["method"]
+    if not isinstance(decomposition, Decomposition):
+        raise InvalidInput(
+            f"decomposition must be what decompose returned, got {type(decomposition).__name__}; "
+            "give h_I as internal"
+        )
     same = decomposition.applied.shape == applied.shape and decomposition.grips.shape == grips.shape
     if not same or not (
         np.allclose(decomposition.applied, applied, rtol=SAME, atol=0.0)
@@ -159,6 +169,7 @@ def _corners(outline: npt.ArrayLike | None, grips: FloatArray) -> FloatArray | N
             f"outline must be of shape (k, 2), at least three corners of a planar object, got "
             f"{corners.shape} beside grips {grips.shape}; leave it out in space"
         )
+    _require_drawable("outline", corners)
     return corners
 
 
@@ -174,13 +185,14 @@ def _weights(
 def _axes(ax: Any, dimension: int) -> Any:
     """Those that were given, if they are of the dimension, or new ones."""
     try:
+        from matplotlib.axes import Axes
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtra("a picture of a split", "plot") from error
     if ax is None:
         projection = {"projection": "3d"} if dimension == 3 else {}
         return Figure(figsize=SIZE, layout="constrained").add_subplot(**projection)
-    if hasattr(ax, "get_zlim") != (dimension == 3):
+    if not isinstance(ax, Axes) or ax.name != ("3d" if dimension == 3 else "rectilinear"):
         kind = "three-dimensional" if dimension == 3 else "planar"
         raise InvalidInput(
             f"ax must be {kind} axes for grips of {dimension} numbers, got {type(ax).__name__}; "

@@ -45,7 +45,7 @@ def _equal(axes: Any, scene: Scene) -> None:
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
     extent = np.maximum(high - low, 0.5 * (high - low).max())
     low = 0.5 * (low + high - extent)
-    axes.set_box_aspect(extent, zoom=1.1)
+    axes.set_box_aspect(tuple(extent), zoom=1.1)  # an array would be scaled in place
     for name, start, length in zip("xyz", low, extent, strict=True):
         getattr(axes, f"set_{name}lim")(start, start + length)
         getattr(axes, f"set_{name}label")(f"{name} [m]")
@@ -81,14 +81,17 @@ def _regions(axes: Any, scene: Scene) -> None:
 def lens(first: FloatArray, total: FloatArray) -> list[FloatArray]:
     """Lines ``(k, 3)`` on the lens of f_M,1 that lie in both balls of eq. 9: rim and meridians.
 
-    One ball has the diameter [0, f_1], the other [f_1, f_o]; nothing where they touch in f_1 alone.
+    One ball has the diameter [0, f_1], the other [f_1, f_o]; nothing where they touch in f_1 alone
+    or one is a point.
     """
     centres = (0.5 * first, 0.5 * (first + total))
     radii = (0.5 * float(np.linalg.norm(first)), 0.5 * float(np.linalg.norm(total - first)))
     axis = centres[1] - centres[0]
     apart = float(np.linalg.norm(axis))
-    if apart <= 1e-9 * sum(radii) or min(radii) == 0.0:
-        return [centres[0] + circle for circle in _about(first)] if apart == 0.0 else []
+    if min(radii) == 0.0:
+        return []
+    if apart <= 1e-9 * sum(radii):  # opposed forces: one ball
+        return [centres[0] + circle for circle in _about(first)]
     axis = axis / apart
     along = (apart**2 + radii[0] ** 2 - radii[1] ** 2) / (2 * apart)
     rim = np.sqrt(max(radii[0] ** 2 - along**2, 0.0))

@@ -123,6 +123,8 @@ MISTAKES = [  # what stands there -> what is written instead, and what is said
     ('none = "task"', "none = 3", "must be a table"),
     ('reward = "squeeze"', 'reward = "squeze"', "did you mean 'squeeze'"),
     ("[training]", "[trainig]", "did you mean 'training'"),
+    ("seeds = 2", 'problems = [["task"]]', "known: action"),
+    ('algorithm = ["scripted",', 'algorithm = [{ name = "ppo" },', "must have a name"),
     ("seeds = 2", "seeds = ", "TOMLDecodeError"),
 ]
 
@@ -142,6 +144,7 @@ def test_a_mistake_is_told_with_its_line(right, wrong, said, file):
 SEARCHES = [  # under [search]; the line that is wrong comes last
     ("seeds = 0", "at least 1"),
     ('objective = "succes_rate"', "did you mean 'success_rate'"),
+    ('objective = ["success_rate"]', "must be one of the known names"),
     ("only = { algorithm = ['random'] }", "known: reward"),
     ("only = { reward = ['nothing'] }", "known: none, share, squeeze"),
     ("space.epoch = { low = 1, high = 2 }", "did you mean 'epochs'"),
@@ -168,11 +171,21 @@ def test_a_mistake_in_the_space_of_a_search_is_told_with_its_line(wrong, said, f
     [
         ({"grid": {"reward": []}}, "at least one level"),
         ({"grid": {"reward": ["task", "task"]}}, "once"),
+        ({"grid": {"reward": {"soft": "task", "Soft": "harmony"}}}, "got 'Soft' again"),
         ({"grid": {"reward": [{"preset": "task"}]}}, "must have a name"),
         ({"grid": {"algorithm": {"a": {"name": "random", "epochs": 2}}}}, "learns nothing"),
         ({"exclude": [{"algorithm": "scripted"}, {"algorithm": "random"}]}, "all of them excluded"),
         ({"seeds": 1000, "grid": {"reward": {f"r{k}": "task" for k in range(101)}}}, "100,000"),
         ({"problems": ["tasks"]}, "did you mean 'task'"),
+        (
+            {
+                "grid": {
+                    axis: {"a" * 60: "task" if axis == "reward" else {}}
+                    for axis in ("task", "body", "reward", "observation")
+                }
+            },
+            "at most 240 letters",
+        ),
     ],
 )
 def test_a_grid_from_python_is_checked_as_well(changes, said, tmp_path):

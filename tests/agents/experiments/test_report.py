@@ -1,5 +1,6 @@
 """Reports: what the page says of runs whose numbers are known, its pictures and its table."""
 
+import json
 import re
 import sys
 from dataclasses import replace
@@ -175,6 +176,14 @@ def test_without_the_libraries_there_is_a_page_that_says_so_and_a_table_as_csv(
 
 def test_a_folder_that_is_no_experiment_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match=r"which has no experiment\.json"):
+        Results.load(tmp_path)
+
+
+@pytest.mark.parametrize("axes", [3, {"reward": 3}])
+def test_a_damaged_list_of_cells_is_told_as_such(axes, tmp_path):
+    content = {"format": 1, "name": "x", "problems": [], "search": {}, "cells": [], "axes": axes}
+    (tmp_path / "experiment.json").write_text(json.dumps(content))
+    with pytest.raises(InvalidInput, match=r"experiment\.json must be whole"):
         Results.load(tmp_path)
 
 

@@ -132,6 +132,17 @@ def test_what_no_experiment_wrote_is_not_written_over(tmp_path):
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["notes.txt"]
 
 
+def test_a_report_that_no_experiment_wrote_is_not_written_over(tmp_path):
+    (tmp_path / "report").mkdir()
+    page = tmp_path / "report" / "report.md"
+    page.write_text("mine")
+    worked = Killed(9)
+    with pytest.raises(InvalidInput, match="no other report"):
+        conduct(small(tmp_path), launch=worked, workers=1)
+    assert not worked.worked
+    assert page.read_text() == "mine"
+
+
 def test_the_progress_counts_all_cells_up_to_their_end(tmp_path):
     seen = []
     cells = small(tmp_path).cells()

@@ -13,7 +13,7 @@ from coopenv.agents.experiments import Search
 from coopenv.agents.experiments.cell import FORMAT, RESULT
 from coopenv.agents.seeds import evaluation_seeds, training_seeds
 from coopenv.errors import InvalidInput, MissingExtra
-from tests.agents.experiments.cases import small
+from tests.agents.experiments.cases import ENVIRONMENT, small
 
 SPACE = {
     "learning_rate": {"low": 1e-4, "high": 1e-2, "log": True},
@@ -93,6 +93,19 @@ def test_a_search_that_is_killed_comes_to_the_same_end(searched, tmp_path):
     assert [cell.digest() for cell in tuned.cells()] == [
         cell.digest() for cell in searched[2][0].cells()
     ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "objective"),
+    [({"environment": {**ENVIRONMENT, "horizon": 50}}, "success_rate"), ({}, "wasted_cost")],
+)
+def test_trials_of_another_experiment_or_objective_are_not_taken_for_its_own(
+    changes, objective, tmp_path
+):
+    space = {"epochs": SPACE["epochs"]}
+    Search(space=space).run(small(tmp_path, grid={}), 1, Runs())
+    with pytest.raises(InvalidInput, match="no other search"):
+        Search(space=space, objective=objective).run(small(tmp_path, grid={}, **changes), 1, Runs())
 
 
 def test_a_search_may_be_made_in_some_settings_only(tmp_path):

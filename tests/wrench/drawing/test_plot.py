@@ -147,6 +147,27 @@ def test_it_draws_on_axes_that_are_given_with_equal_scales():
     assert "object" in names(axes)
 
 
+def test_axes_that_share_their_limits_with_others_are_drawn_with_equal_scales_too():
+    figure = Figure()
+    axes = figure.subplots(1, 2, sharex=True, sharey=True)[0]
+    wrench.plot(FIGHT, BEAM, ax=axes)
+    FigureCanvasAgg(figure).draw()
+    box = axes.get_window_extent()
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert box.width / (right - left) == pytest.approx(box.height / (high - low), rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [0.05, 1.0, 40.0])
+def test_in_space_all_of_it_lies_within_axes_of_its_size_and_equal_scales(size):
+    axes = wrench.plot(IN_SPACE, size * SPACE, regions=False)
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()]).T
+    assert (limits[0] < (size * SPACE).min(axis=0)).all()
+    assert (limits[1] > (size * SPACE).max(axis=0)).all()
+    lengths = np.diff(limits, axis=0)[0]
+    assert lengths.max() < 4 * size
+    np.testing.assert_allclose(lengths / lengths[0], axes._box_aspect / axes._box_aspect[0])
+
+
 def test_nothing_applied_is_a_picture_of_the_grips_alone():
     for applied, grips in ((np.zeros((2, 3)), BEAM), (np.zeros((3, 6)), np.eye(3))):
         axes = wrench.plot(applied, grips)
@@ -181,6 +202,11 @@ def test_grips_in_the_middle_and_one_effector_alone_are_drawn():
         ({"decomposition": wrench.decompose(AGREE, BEAM)}, "decomposition must be of the applied"),
         ({"outline": [(0, 0), (1, 1)]}, "outline must be of shape"),
         ({"ax": Figure().add_subplot(projection="3d")}, "ax must be planar axes"),
+        ({"ax": Figure().add_subplot(projection="polar")}, "ax must be planar axes"),
+        ({"ax": Figure()}, "ax must be planar axes.*got Figure"),
+        ({"internal": 1e200 * FIGHT}, "internal must be at most 1e"),
+        ({"outline": [(0, 0), (1e200, 0), (0, 1)]}, "outline must be at most 1e"),
+        ({"decomposition": FIGHT}, "decomposition must be what decompose returned"),
     ],
 )
 def test_what_makes_no_picture_is_refused_by_name(given, message):

@@ -50,6 +50,14 @@ def test_forces_that_agree_leave_no_lens_and_opposed_ones_a_whole_ball():
     assert space.lens(first, 3 * first) == []
     ball = np.concatenate(space.lens(first, np.zeros(3)))
     np.testing.assert_allclose(excess(ball, np.zeros(3), first), 0.0, atol=1e-12)
+    nearly = np.concatenate(space.lens(first, 1e-15 * np.ones(3)))  # as rounding leaves it
+    np.testing.assert_allclose(nearly, ball, atol=1e-12)
+
+
+def test_who_gives_no_force_leaves_no_lens():
+    force, nothing = np.array([1.0, 2.0, 0.5]), np.zeros(3)
+    for first, total in ((nothing, nothing), (nothing, force), (force, force)):
+        assert space.lens(first, total) == []
 
 
 def test_across_is_a_unit_vector_at_a_right_angle():
