@@ -23,7 +23,7 @@ lint: .venv/dev
 # What every process of the tests would else do for itself: kernels, and bytecode, rewritten assertions included.
 kernels: .venv/dev
 	$(BIN)/coopenv warmup
-	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --collect-only --quiet >/dev/null
+	found=$$(PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --collect-only --quiet) || { echo "$$found"; exit 1; }
 
 docs: .venv/dev
 	$(BIN)/python -m sphinx -q -W --keep-going -b html -c docs . build/site $(ARGS)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray, with_rows
 from coopenv.conditions import Conditions, Team
+from coopenv.errors import InvalidInput
 from coopenv.geometry import frames
 from coopenv.measured import SHARES, measured, split_and_measured
 from coopenv.physics.surroundings import acting
@@ -128,6 +129,7 @@ class Transition:
         """Decomposition of ``applied`` under the environment's settings."""
         if not self._own:
             team = self.team
+            _require_fit(self.applied, team.grips)
             if team.settings.surroundings:
                 made, found = self._decomposed(None, team.settings), None
             else:
@@ -259,6 +261,16 @@ class Transition:
     ) -> "Transition":
         """A copy with ``worlds`` replaced by those of ``other``, in order, under ``conditions``."""
         return replace(_merged(self, worlds, other), conditions=conditions)
+
+
+def _require_fit(applied: FloatArray, grips: FloatArray) -> None:
+    """Raise unless there is one wrench an agent and world, as kernels that measure rely on."""
+    expected = (*grips.shape[:2], 3)
+    if applied.shape != expected:
+        raise InvalidInput(
+            f"applied must be of shape {expected}, got {applied.shape}; give one planar wrench for "
+            "each agent of each world"
+        )
 
 
 def _nothing_computed() -> dict[str, Any]:

@@ -1,8 +1,12 @@
 """Splitting wrenches and measuring what comes of it, at once and one after the other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from coopenv import Transport
+from coopenv.errors import InvalidInput
 from coopenv.measured import measured, split_and_measured
 from coopenv.wrench import Decomposer, Settings
 
@@ -33,3 +37,13 @@ def test_what_no_search_on_a_line_splits_is_left_to_its_solver():
         decomposition, found = split_and_measured(decomposer, applied, grips)
         assert found is None
         np.testing.assert_array_equal(decomposition.manipulation, decomposer(applied).manipulation)
+
+
+@pytest.mark.parametrize("shape", [(2, 3, 3), (2, 1, 3), (2, 2, 6), (3, 2, 3), (1, 2, 3)])
+def test_wrenches_that_are_not_those_of_the_team_are_refused(shape):
+    core = Transport(num_worlds=2)
+    core.reset(seed=0)
+    assert core.transition is not None
+    other = replace(core.transition, applied=np.ones(shape))
+    with pytest.raises(InvalidInput, match=r"applied must be of shape \(2, 2, 3\), got"):
+        assert other.decomposition

@@ -97,7 +97,9 @@ class Shard:
         ]
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._made = list(bodies)  # what the bodies in the space were made from
-        self._shapes = [self._add(k, x, y, 0.0) for k, (x, y) in enumerate(self._origin.tolist())]
+        self._shapes: list[pymunk.Poly] = []
+        for k, (x, y) in enumerate(self._origin.tolist()):
+            self._add(k, x, y, 0.0)
         self._names = _buffer(self)
         self._find_rows()
         self._views = [
@@ -131,24 +133,26 @@ class Shard:
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put the bodies of ``worlds`` at ``pose``, at rest and untouched."""
         position = (pose[:, :2] + self._origin[worlds]).tolist()
-        others = False
         for k, (x, y), angle in zip(worlds.tolist(), position, pose[:, 2].tolist(), strict=True):
             shape = self._shapes[k]
             body = shape.body
             assert body is not None
-            self.space.remove(shape)  # and with it the impulses that warm-start its next contact
-            made = self._made[k]
-            if (made is self._bodies[k] or made == self._bodies[k]) and _is_sane(body):
+            if shape.space is not None:  # else the call before broke off
+                # And with it the impulses that warm-start its next contact
+                self.space.remove(shape)
+            made, stays = self._made[k], body.space is not None and _is_sane(body)
+            if stays and (made is self._bodies[k] or made == self._bodies[k]):
                 _rest(body, x, y, angle)
                 self.space.add(shape)
             else:
-                self.space.remove(body)
-                self._shapes[k], others = self._add(k, x, y, angle), True
+                if body.space is not None:
+                    self.space.remove(body)
+                self._add(k, x, y, angle)
         self._memory.expected[worlds] = 0.0  # no contact lasts
         # A step of no time moves nothing. It lets go of the shapes that were removed, which the
         # space otherwise keeps until it steps, however often worlds are placed meanwhile.
         self.space.step(0.0)
-        if others:
+        if not self._knows_rows:
             self._find_rows()
 
     def move(self, worlds: IntArray, pose: FloatArray) -> None:
@@ -180,14 +184,15 @@ class Shard:
             built.append(shape)
         return built
 
-    def _add(self, k: int, x: float, y: float, angle: float) -> pymunk.Poly:
+    def _add(self, k: int, x: float, y: float, angle: float) -> None:
+        """Make the body of world ``k``; noted before it is in the space, should that break off."""
         body = pymunk.Body(self._bodies[k].mass, self._bodies[k].inertia or 0.0)
         body.position, body.angle = (x, y), angle
         shape = pymunk.Poly(body, self._bodies[k].outline)
         shape.friction = self._bodies[k].friction
+        self._knows_rows = False
+        self._shapes[k : k + 1], self._ids[k], self._made[k] = [shape], body.id, self._bodies[k]
         self.space.add(body, shape)
-        self._ids[k], self._made[k] = body.id, self._bodies[k]
-        return shape
 
     def _view(
         self, names: batch.BodyFields, array: FloatArray, header: npt.NDArray[np.int32]
@@ -212,6 +217,7 @@ class Shard:
         listed = np.frombuffer(self._names.int_buf(), dtype=np.uintp).astype(np.int64)
         order = np.argsort(listed)
         self._memory.rows[:] = order[np.searchsorted(listed, self._ids, sorter=order)]
+        self._knows_rows = True
 
 
 def _is_sane(body: pymunk.Body) -> bool:

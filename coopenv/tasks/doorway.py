@@ -236,7 +236,7 @@ class DoorwayTask(PoseTask):
         if pose is None:
             raise InvalidInput(
                 f"task.{name} must have room for the body with clearance, got "
-                f"{getattr(self, name)} and {len(scene.obstacles)} obstacles in the scene, where a "
+                f"{getattr(self, name)} and {len(scene.obstacles)} obstacles in the scene, where "
                 "ten thousand random poses do not fit; enlarge it, or take away scene.obstacles"
             )
         return pose

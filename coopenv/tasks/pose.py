@@ -17,7 +17,7 @@ from coopenv.transition import State
 
 _TRIES = 10_000  # so many that what one reset finds, others find
 # Hooks that have a say in a step beside distance and success
-_COUNTS_TOO = ("way", "goal_at", "due", "accepts", "failure")
+_COUNTS_TOO = ("way", "due", "accepts", "failure")
 _OR_ZERO = ("clearance", "min_distance")
 
 
@@ -122,7 +122,7 @@ class PoseClock:
             PoseTask.distance,
             PoseTask.success,
         )
-        return own and not any(overrides(task, name) for name in _COUNTS_TOO)
+        return own and not task.moves and not any(overrides(task, name) for name in _COUNTS_TOO)
 
     def arrive(
         self, pose: FloatArray, twist: FloatArray, goal: FloatArray, steps: IntArray,

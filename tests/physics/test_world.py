@@ -3,6 +3,7 @@
 import pickle
 
 import numpy as np
+import pymunk
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -352,6 +353,33 @@ def test_a_lost_body_is_back_once_it_is_placed_as_in_a_new_world():
         ride(used, knocks(3, 60, 1)), ride(fresh, knocks(3, 60, 1)), strict=True
     ):
         assert np.isfinite(mine).all()
+        np.testing.assert_array_equal(mine, theirs)
+
+
+@pytest.mark.parametrize("call", range(6))
+def test_worlds_whose_placing_broke_off_are_placed_as_new_ones(call, monkeypatch):
+    bodies, scenes, places = [FREE, Body(mass=5.0), FREE], [Scene()] * 3, np.arange(3)
+    used, fresh = world(count=3), World(bodies, scenes, dt=DT, substeps=2)
+    used.furnish(places, bodies, scenes)
+    left, calls = call, {"add": pymunk.Space.add, "remove": pymunk.Space.remove}
+
+    def broken(name, *given):
+        nonlocal left
+        left -= 1
+        if left == -1:
+            raise KeyboardInterrupt
+        calls[name](*given)
+
+    with monkeypatch.context() as patched:
+        for name in calls:
+            patched.setattr(pymunk.Space, name, lambda *given, name=name: broken(name, *given))
+        with pytest.raises(KeyboardInterrupt):
+            used.place(places, strewn(0, 3))
+    for worlds in (used, fresh):
+        worlds.place(places, strewn(1, 3))
+    for mine, theirs in zip(
+        ride(used, knocks(2, 40, 3)), ride(fresh, knocks(2, 40, 3)), strict=True
+    ):
         np.testing.assert_array_equal(mine, theirs)
 
 

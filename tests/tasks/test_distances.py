@@ -274,3 +274,20 @@ def test_a_pose_task_that_is_not_asked_leads_to_the_same_bits():
     np.testing.assert_array_equal(first["steps"], second["steps"])
     np.testing.assert_array_equal(first["ended"], second["ended"])
     assert (ended > 50).all()  # by success and by time
+
+
+class Restless(TransportTask):
+    """A task that says that its goal moves, and not where to."""
+
+    __slots__ = ()
+
+    @property
+    def moves(self):
+        return True
+
+
+def test_a_goal_that_is_said_to_move_must_say_where_it_is():
+    core = Transport(task=Restless())
+    core.reset(seed=0)
+    with pytest.raises(NotImplementedError, match="goal of Restless does not move"):
+        core.step(np.zeros(core.action_shape))
