@@ -22,7 +22,7 @@ from coopenv.tasks.sight import ahead_in_agent_frames, twist_in_agent_frames
 from coopenv.transition import Transition
 
 KINDS = ("minimum_jerk", "rotate", "rotate_translate", "translate")
-_TRIES = 2_000
+_TRIES = 200
 _TRIES_A_SEGMENT = 20
 _STRIDE = 0.1  # [m] that no point of the body moves farther between two poses looked at
 _LEAST = 0.25  # of the longest way and the widest turn that a segment may have
@@ -204,7 +204,7 @@ class TrackingTask(PoseTask):
                 return points
         raise InvalidInput(
             f"task.reference must fit into the room, got {self.reference!r} in a room of "
-            f"{scene.size} m with {len(scene.obstacles)} obstacles, where thousands of random ones "
+            f"{scene.size} m with {len(scene.obstacles)} obstacles, where hundreds of random ones "
             "do not; enlarge scene.size, or take away scene.obstacles"
         )
 

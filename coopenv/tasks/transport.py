@@ -12,7 +12,7 @@ from coopenv.physics.scene import Scene
 from coopenv.tasks.base import Episode, Pose
 from coopenv.tasks.pose import PoseTask, free_pose
 
-_TRIES = 10_000
+_TRIES = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
