@@ -1,4 +1,4 @@
-"""Recording of a held-out episode as a GIF."""
+"""Recording of held-out episodes: their steps, and a GIF of one."""
 
 import os
 
@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
+from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from .policy import Policy, check_environment, forget
@@ -40,18 +41,41 @@ def episode_pictures(
     """Every control step of the episode, from its start to its end, ``(height, width, 3)``."""
     from coopenv.render import Renderer
 
+    steps = episode_steps(policy, config, seed=seed)
+    conditions = steps[0].conditions
+    renderer = Renderer(conditions.bodies, conditions.scenes, mode="rgb_array")
+    return [renderer.picture(step) for step in steps]
+
+
+def episode_steps(
+    policy: Policy, config: TransportConfig, *, seed: int = 0, episode: int = 1
+) -> list[Transition]:
+    """Run one episode of an evaluation.
+
+    Parameters
+    ----------
+    policy
+        Asked for the actions of a batch of one world.
+    config
+        The environment.
+    seed
+        Number of the evaluation; see `coopenv.agents.seeds`.
+    episode
+        Which of its episodes; the first is 1.
+
+    Returns
+    -------
+    One transition a control step, after that of the start, in which nothing was applied.
+    """
     core = Transport(num_worlds=1, config=config)
     check_environment(policy, core)
-    seeds = [*evaluation_seeds(seed, 1)]
+    seeds = [evaluation_seeds(seed, episode)[-1]]
     obs, _ = core.reset(seed=seeds)
     forget(policy, np.ones(1, dtype=np.bool_), seeds)
-    renderer = Renderer(core.bodies, core.scenes, mode="rgb_array")
-    pictures, over = [], np.zeros(1, dtype=np.bool_)
     assert core.transition is not None
-    pictures.append(renderer.draw(core.transition))
+    steps, over = [core.transition], np.zeros(1, dtype=np.bool_)
     while not over[0]:
         obs, _, terminated, truncated, _ = core.step(policy(obs, core.transition))
-        pictures.append(renderer.draw(core.transition))
+        steps.append(core.transition)
         over = terminated | truncated
-    renderer.close()
-    return pictures
+    return steps
