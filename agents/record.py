@@ -1,12 +1,16 @@
-"""Recording of held-out episodes: their steps, and a GIF of one."""
+"""Recording of held-out episodes: their steps, a table of them, and a GIF of one."""
 
 import os
 
 import numpy as np
 import numpy.typing as npt
 
+from coopenv.arrays import BoolArray, FloatArray
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
+from coopenv.geometry.frames import rotated_back
+from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names, wrench_names
+from coopenv.logs.formats.chunks import Sink
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
@@ -79,3 +83,70 @@ def episode_steps(
         steps.append(core.transition)
         over = terminated | truncated
     return steps
+
+
+class Recorder:
+    """Writes every step of evaluated episodes as rows that `coopenv.logs.read` takes.
+
+    An episode is a trial; a row is the end of a step, with the wrenches that were held in it, in
+    the columns of docs/recordings.md and the object frame. Beside them it carries the team's mean
+    reward and the contacts' impulse [N·s].
+
+    Parameters
+    ----------
+    sink
+        Of the table; whoever opened it closes it.
+    condition
+        What the rows are called in the column of that name.
+    """
+
+    def __init__(self, sink: Sink, condition: str):
+        self._sink, self._condition = sink, condition
+        self._rows: list[FloatArray] = []
+        self._worlds: list[npt.NDArray[np.int64]] = []
+        self._num_agents = self._before = 0  # episodes that were written
+
+    def add(self, transition: Transition, reward: FloatArray, running: BoolArray) -> None:
+        """Remember the step of the worlds ``(world,)`` that run."""
+        self._num_agents = transition.applied.shape[1]
+        self._rows.append(_rows_of(transition, reward)[running])
+        self._worlds.append(np.flatnonzero(running))
+
+    def write(self, episodes: int) -> None:
+        """Write what is remembered, which is that many whole episodes, one after the other."""
+        worlds = np.concatenate(self._worlds)
+        order = np.argsort(worlds, kind="stable")
+        rows, trial = np.concatenate(self._rows)[order], self._before + worlds[order] + 1
+        columns = dict(zip(column_names(self._num_agents), rows.T, strict=True))
+        condition = np.full(len(rows), self._condition)
+        self._sink.write({"condition": condition, "trial": trial, **columns})
+        self._rows, self._worlds = [], []
+        self._before += episodes
+
+
+def column_names(num_agents: int) -> list[str]:
+    """Columns of numbers of a `Recorder`."""
+    grips = [name for group in effector_names("r", num_agents, 2) for name in group]
+    pose = (*POSITION[2], *ORIENTATION[2], *TWIST[2])
+    wrench = wrench_names(num_agents, 2)
+    return ["time", *pose, *grips, *wrench, "reward", "contact_impulse"]
+
+
+def _rows_of(transition: Transition, reward: FloatArray) -> FloatArray:
+    """``(world, column)`` in the order of `column_names`."""
+    state, count = transition.next_state, len(reward)
+    angle = state.pose[:, 2]
+    along, across = rotated_back(np.cos(angle), np.sin(angle), state.twist[:, 0], state.twist[:, 1])
+    return np.column_stack(
+        [
+            state.time,
+            state.pose,
+            along,
+            across,
+            state.twist[:, 2],
+            transition.team.grips.reshape(count, -1),
+            transition.applied.reshape(count, -1),
+            reward.mean(axis=1),
+            transition.contact_impulse,
+        ]
+    )

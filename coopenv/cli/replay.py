@@ -28,7 +28,8 @@ else:
 MOST_PICTURES = 20_000  # of a film
 MOST_WORLDS = 64  # of a mosaic
 OF_EPISODES = ("seed", "episode", "mosaic", "trust")
-OF_RECORDINGS = ("trial", "start", "end", "layout", "grips", "space", "sample_rate", "bad_rows")
+OF_LAYOUTS = ("grips", "space", "sample_rate")
+OF_RECORDINGS = ("trial", "start", "end", "layout", "map", *OF_LAYOUTS, "bad_rows")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +62,9 @@ class Replay:
     layout: Path | None = None
     """Of a recording: .toml or .json file that says how it is to be read; see
     docs/recordings.md."""
+    map: tuple[str, ...] = ()
+    """Of a recording: columns that are called otherwise, such as f1x=Fx_left; time= leaves one
+    out."""
     grips: tuple[float, ...] | None = None
     """Of a recording: x y of the first effector, then of the second; object frame [m]."""
     space: str | None = None
@@ -180,13 +184,13 @@ class Replay:
 
     def _of_recording(self, pace: "Pace") -> tuple["Frames", list[str]]:
         """A trial of a recording."""
-        from coopenv.logs.layout import Layout
+        from coopenv.logs.layout import Layout, parse_mapping
 
         file = Path(self.what)
         require_file(file)
-        named = {name: getattr(self, name) for name in ("grips", "space", "sample_rate")}
+        named = {name: getattr(self, name) for name in OF_LAYOUTS}
         said = {name: value for name, value in named.items() if value is not None}
-        layout = Layout.load(self.layout, **said)
+        layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         chosen = trial.Part(number=self.trial, start=self.start, end=self.end)
         return trial.film(file, layout, chosen, pace, bad_rows=self.bad_rows, width=self.width)
 

@@ -174,9 +174,10 @@ class _Told(Sequence[Picture]):
 
     def __iter__(self) -> Iterator[Picture]:
         for k in range(len(self)):
-            yield self._frames[k]
+            picture = self._frames[k]
             if self._report is not None:
                 self._report((k + 1) / len(self))
+            yield picture
 
 
 def _save_mp4(path: Path, frames: _Told, fps: float) -> None:

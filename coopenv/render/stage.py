@@ -4,7 +4,7 @@ from math import ceil, floor, log10
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, whole
+from coopenv.arrays import BoolArray, FloatArray, whole
 from coopenv.errors import InvalidInput
 from coopenv.geometry.frames import moved
 from coopenv.render.canvas import Canvas, Picture, around, arrow, text_width
@@ -68,7 +68,8 @@ class Stage:
         self._pose = pose
         self._grips = np.broadcast_to(grips, (*applied.shape[:2], 2))
         self._wrenches = np.nan_to_num(np.stack([applied, internal]))  # nothing drawn where bad
-        self._known = np.isfinite(pose).all(axis=1) & np.isfinite(self._grips).all(axis=(1, 2))
+        known: BoolArray = np.isfinite(pose).all(axis=1) & np.isfinite(self._grips).all(axis=(1, 2))
+        self._known = known
         if not self._known.any():
             raise InvalidInput(
                 "pose must be finite in some rows, got none; correct the recording's x, y, theta"
