@@ -68,8 +68,8 @@ class Stage:
         self._pose = pose
         self._grips = np.broadcast_to(grips, (*applied.shape[:2], 2))
         self._wrenches = np.nan_to_num(np.stack([applied, internal]))  # nothing drawn where bad
-        known: BoolArray = np.isfinite(pose).all(axis=1) & np.isfinite(self._grips).all(axis=(1, 2))
-        self._known = known
+        numbers = np.concatenate([pose, self._grips.reshape(len(pose), -1)], axis=1)
+        self._known: BoolArray = np.all(np.isfinite(numbers), axis=1)
         if not self._known.any():
             raise InvalidInput(
                 "pose must be finite in some rows, got none; correct the recording's x, y, theta"

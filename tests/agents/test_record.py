@@ -95,4 +95,5 @@ def test_recorded_poses_and_twists_are_those_of_the_episode(tmp_path):
     world = (second.twist[:, 0] + 1j * second.twist[:, 1]) * turn
     np.testing.assert_allclose(world, [complex(*each.twist[0, :2]) for each in state])
     np.testing.assert_allclose(second.applied, [step.applied[0] for step in steps], atol=1e-12)
+    assert second.time is not None
     np.testing.assert_allclose(second.time, 0.05 * np.arange(1, 6))
