@@ -11,13 +11,12 @@ from coopenv.errors import MissingExtra
 from coopenv.geometry.frames import rotated_back
 from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names, wrench_names
 from coopenv.logs.formats.chunks import Sink
+from coopenv.render.film import PAUSE
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from .policy import Policy, check_environment, forget
 from .seeds import evaluation_seeds
-
-PAUSE = 0.8  # [s] for which the last picture stays
 
 
 def record_episode(

@@ -17,6 +17,7 @@ from coopenv.render.look import PAGE
 from coopenv.render.pictures import checked, save_gif
 
 SUFFIXES = (".gif", ".mp4")
+PAUSE = 0.8  # [s] for which the last picture stays
 FASTEST = 50.0  # [1/s] pictures that a GIF can show
 
 Report = Callable[[float], object]  # is told how much is done, from 0 to 1

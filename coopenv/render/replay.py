@@ -8,13 +8,12 @@ import numpy as np
 from coopenv.arrays import FloatArray, whole
 from coopenv.errors import InvalidInput
 from coopenv.render.canvas import Picture
-from coopenv.render.film import Frames, beside, mosaic, rows_at
+from coopenv.render.film import PAUSE, Frames, beside, mosaic, rows_at
 from coopenv.render.renderer import Renderer
 from coopenv.render.series import Series, measure_panels
 from coopenv.render.stage import Stage
 from coopenv.transition import Transition
 
-PAUSE = 0.8  # [s] for which the last picture stays
 WIDTH = 480  # [px] of the scene
 SERIES = 0.85  # width of the series, per the scene's
 LEAST, MOST = 160, 4096  # [px]

@@ -10,7 +10,6 @@ from coopenv import TransportConfig, render
 from coopenv.agents.controllers import RandomPolicy, find_controller
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.record import (
-    PAUSE,
     Recorder,
     episode_pictures,
     episode_steps,
@@ -20,6 +19,7 @@ from coopenv.agents.seeds import evaluation_seeds
 from coopenv.logs import Layout, analyse, read
 from coopenv.logs.formats import open_sink
 from coopenv.randomisation import Ranges
+from coopenv.render.film import PAUSE
 from coopenv.transport import Transport
 
 
