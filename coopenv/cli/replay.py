@@ -25,7 +25,7 @@ except ImportError:  # asked for where the command line is read
 else:
     POSITIONAL = tyro.conf.Positional
 
-MOST_PICTURES = 20_000  # of a film
+RATES = 1.0, 240.0  # [1/s] of pictures
 MOST_WORLDS = 64  # of a mosaic
 OF_EPISODES = ("seed", "episode", "mosaic", "trust")
 OF_LAYOUTS = ("grips", "space", "sample_rate")
@@ -100,12 +100,6 @@ class Replay:
         whole(self.width, "width", at_least=LEAST, at_most=MOST)
         pace = self._pace(out)
         frames, said = self._of_policy(pace) if of_policy else self._of_recording(pace)
-        if len(frames) > MOST_PICTURES:
-            remedy = "a higher --speed or a lower --fps"
-            remedy = remedy if of_policy else f"--start and --end, {remedy}"
-            raise InvalidInput(
-                f"film must have at most {MOST_PICTURES} pictures, got {len(frames)}; give {remedy}"
-            )
         with _progress() as report:
             save_film(out, frames, fps=pace.fps, report=report)
         for line in (*said, f"wrote {out}, {len(frames)} pictures, {pace.fps:g} a second"):
@@ -142,6 +136,11 @@ class Replay:
         from coopenv.render.replay import Pace
 
         fps, speed = positive(self.fps, "fps"), positive(self.speed, "speed")
+        if not RATES[0] <= fps <= RATES[1]:
+            raise InvalidInput(
+                f"fps must be from {RATES[0]:g} to {RATES[1]:g}, got {fps:g}; --speed makes a film "
+                "slower or faster"
+            )
         if out.suffix.lower() == ".mp4":
             return Pace(fps, speed)
         if fps > FASTEST:

@@ -18,6 +18,7 @@ from coopenv.render.pictures import checked, save_gif
 
 SUFFIXES = (".gif", ".mp4")
 PAUSE = 0.8  # [s] for which the last picture stays
+MOST_PICTURES = 20_000  # of a film, the pause left out
 FASTEST = 50.0  # [1/s] pictures that a GIF can show
 
 Report = Callable[[float], object]  # is told how much is done, from 0 to 1
@@ -59,10 +60,21 @@ def rows_at(time: FloatArray, *, fps: float, speed: float = 1.0, pause: float = 
         How many times faster than life.
     pause
         Seconds for which the last picture stays.
+
+    Raises
+    ------
+    InvalidInput
+        If there would be more than 20,000 pictures.
     """
     step = positive(speed, "speed") / positive(fps, "fps")
     first, last = float(time[0]), float(time[-1])
-    moments = first + step * np.arange(ceil((last - first) / step - 1e-6) + 1)
+    count = ceil((last - first) / step - 1e-6) + 1
+    if count > MOST_PICTURES:
+        raise InvalidInput(
+            f"film must have at most {MOST_PICTURES} pictures, got {count:.6g}; show a shorter "
+            "part, faster, or fewer pictures a second"
+        )
+    moments = first + step * np.arange(count)
     rows = np.searchsorted(time, moments + 1e-6 * step, side="right") - 1
     return np.concatenate([rows, np.full(round(pause * fps), len(time) - 1)])
 

@@ -35,6 +35,11 @@ def test_a_film_lasts_as_long_as_what_it_shows_and_ends_with_its_end():
     assert rows_at(np.zeros(1), fps=20).tolist() == [0]
 
 
+def test_a_film_without_end_is_refused_before_anything_is_made_of_it():
+    with pytest.raises(InvalidInput, match="film must have at most 20000 pictures, got 2e"):
+        rows_at(np.array([0.0, 1e40]), fps=20)
+
+
 def test_a_gif_counts_hundredths_of_a_second():
     assert [gif_rate(fps) for fps in (10, 20, 25, 50)] == [10, 20, 25, 50]
     assert gif_rate(30) == pytest.approx(100 / 3)
