@@ -1,6 +1,7 @@
 """Evaluation of policies on held-out episodes, alone or side by side."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from coopenv.transport import Transport
 from .episodes import Episodes, EpisodeSums
 from .evaluation import Evaluation, save, table, table_format, wilson_interval
 from .policy import Policy, Samplable, check_environment, forget
+from .record import Recorder
 from .seeds import evaluation_seeds
 
 __all__ = [
@@ -34,6 +36,7 @@ def evaluate(
     seed: int = 0,
     num_worlds: int = 250,
     name: str = "",
+    recorder: Recorder | None = None,
 ) -> Evaluation:
     """Run held-out episodes and summarise them.
 
@@ -52,6 +55,8 @@ def evaluate(
         keyed by episode and step (`coopenv.agents.policy.Seedable`).
     name
         What the policy is called in the table.
+    recorder
+        Is given every step, of the policy as it is given.
 
     Returns
     -------
@@ -60,12 +65,11 @@ def evaluate(
     ``sampled_success_rate``; all other figures are of the policy as it is given.
     """
     config = config if config is not None else TransportConfig()
-    seen = run_episodes(policy, config, episodes=episodes, seed=seed, num_worlds=num_worlds)
+    chosen: dict[str, Any] = {"episodes": episodes, "seed": seed, "num_worlds": num_worlds}
+    seen = run_episodes(policy, config, **chosen, recorder=recorder)
     other = policy.sampled() if isinstance(policy, Samplable) else None
     sampled = (
-        run_episodes(other, config, episodes=episodes, seed=seed, num_worlds=num_worlds)
-        if other is not None and other is not policy
-        else seen
+        run_episodes(other, config, **chosen) if other is not None and other is not policy else seen
     )
     return Evaluation.of(
         seen,
@@ -98,6 +102,7 @@ def run_episodes(
     episodes: int = 500,
     seed: int = 0,
     num_worlds: int = 250,
+    recorder: Recorder | None = None,
 ) -> Episodes:
     """Run exactly ``episodes`` held-out episodes; entry k is that of the k-th world seed.
 
@@ -114,13 +119,15 @@ def run_episodes(
     core = Transport(num_worlds=min(num_worlds, episodes), config=config)
     check_environment(policy, core)
     batches = [
-        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]])
+        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]], recorder)
         for first in range(0, episodes, core.num_worlds)
     ]
     return Episodes.joined(batches)
 
 
-def _run_batch(policy: Policy, core: Transport, seeds: list[int]) -> Episodes:
+def _run_batch(
+    policy: Policy, core: Transport, seeds: list[int], recorder: Recorder | None
+) -> Episodes:
     """One episode of each seed; worlds beyond the last seed idle beside them."""
     count = len(seeds)
     filled = seeds + seeds[-1:] * (core.num_worlds - count)
@@ -133,6 +140,8 @@ def _run_batch(policy: Policy, core: Transport, seeds: list[int]) -> Episodes:
         assert core.transition is not None
         obs, reward, terminated, truncated, info = core.step(policy(obs, core.transition))
         sums.add(reward, info)
+        if recorder is not None:
+            recorder.add(core.transition, reward, running)
         over = terminated | truncated
         if not over.any():
             continue
@@ -143,4 +152,6 @@ def _run_batch(policy: Policy, core: Transport, seeds: list[int]) -> Episodes:
         running &= ~over
         obs, _ = core.reset(mask=over)
         forget(policy, over)
+    if recorder is not None:
+        recorder.write(count)
     return Episodes.joined(ended).pick(np.argsort(np.concatenate(order)))

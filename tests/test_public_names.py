@@ -53,6 +53,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         "decompose_file", "read",
     ),
     "coopenv.observation": ("BLOCKS", "ranges"),
+    "coopenv.render": ("Renderer", "mosaic", "save_film", "save_gif", "save_png"),
     "coopenv.rewards": (
         "COSTS", "PRESETS", "ActionRate", "Contact", "Effort", "InternalForce", "InternalTorque",
         "LoadShare", "Potential", "PotentialShaping", "Progress", "RelativeCost", "RewardSum",

@@ -1,6 +1,7 @@
 """``coopenv evaluate``: compare policies on the same held-out episodes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,13 +16,14 @@ from coopenv.cli.environments import RECORDED, Environment, environments_of
 from coopenv.cli.policies import find_policy, labels
 from coopenv.config.own_code import Trust
 from coopenv.errors import InvalidInput
-from coopenv.files import require_writable
+from coopenv.files import require_writable, written
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from coopenv.agents.evaluate import Evaluation
     from coopenv.agents.policy import Policy
+    from coopenv.logs.formats.chunks import Sink
 try:
     import tyro
 except ImportError:  # asked for where the command line is read
@@ -49,6 +51,9 @@ class Evaluate:
     """Episodes run side by side."""
     out: Path | None = None
     """File for the table, .csv or .json."""
+    record: Path | None = None
+    """File for every step of every episode, .csv, .npz or .parquet, which coopenv decompose and
+    coopenv replay read."""
     trust: tuple[str, ...] | None = None
     """Run what the files hold: alone, behind the policies, all of it, pickles of Stable-Baselines3
     and code of your own; with names of modules, import these for a recorded environment, rewards of
@@ -90,8 +95,9 @@ class Evaluate:
         return False if self.trust is None else self.trust or True
 
     def _check(self) -> None:
-        """Raise where a policy is missing, a number is wrong or the table cannot be written."""
+        """Raise where a policy is missing, a number is wrong or a table cannot be written."""
         from coopenv.agents.evaluate import table_format
+        from coopenv.logs.formats import FORMATS, find_format
 
         if not self.policies:
             raise InvalidInput(
@@ -114,16 +120,26 @@ class Evaluate:
         if self.out is not None:
             table_format(self.out)
             require_writable(self.out)
+        if self.record is not None:
+            find_format(self.record, FORMATS)
+            require_writable(self.record)
 
     def _seen(
         self, named: Mapping[str, str], places: Mapping[str, Environment], console: "Console"
     ) -> "list[Evaluation]":
         from coopenv.agents.evaluate import evaluate
+        from coopenv.agents.record import Recorder
         from coopenv.agents.training.threads import torch_threads
 
         policies = {label: self._found(name, places[label]) for label, name in named.items()}
+        teams = {place.config.num_agents for place in places.values()}
+        if self.record is not None and len(teams) > 1:
+            raise InvalidInput(
+                f"record must be of teams of one size, got {sorted(teams)}; evaluate the policies "
+                "one by one"
+            )
         status = console.status(f"evaluating on {self.episodes} held-out episodes")
-        with torch_threads(1), status:  # of networks that are small
+        with torch_threads(1), status, self._recorded() as sink:  # one: networks are small
             return [
                 evaluate(
                     policy,
@@ -132,9 +148,28 @@ class Evaluate:
                     seed=self.seed,
                     num_worlds=self.num_worlds,
                     name=label,
+                    recorder=None if sink is None else Recorder(sink, label),
                 )
                 for label, policy in policies.items()
             ]
+
+    @contextmanager
+    def _recorded(self) -> "Iterator[Sink | None]":
+        """Where steps go, whole or not at all."""
+        from coopenv.logs.formats import open_sink
+
+        if self.record is None:
+            yield None
+            return
+        with written(self.record) as part:
+            sink = open_sink(part)
+            try:
+                yield sink
+                sink.close()
+            except BaseException:
+                with suppress(OSError, ValueError):  # what went wrong first is what is told
+                    sink.abandon()
+                raise
 
     def _found(self, name: str, place: Environment) -> "Policy":
         """The policy of that name for its environment."""

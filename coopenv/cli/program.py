@@ -12,6 +12,7 @@ from coopenv.cli import terminal, version
 from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.experiment import Report, RunExperiment, Sweep
+from coopenv.cli.replay import Replay
 from coopenv.cli.show import Show
 from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
 from coopenv.cli.study import Study
@@ -39,6 +40,7 @@ COMMANDS: dict[str, type[Command]] = {
     "decompose": Decompose,
     "inspect": Inspect,
     "show": Show,
+    "replay": Replay,
     "study": Study,
     "experiment": RunExperiment,
     "sweep": Sweep,

@@ -4,7 +4,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.physics.body import Body
-from coopenv.render.canvas import Color, Pen, arrow, bent_arrow
+from coopenv.render.canvas import Canvas, Color, Pen, around, arrow, bent_arrow
 
 PAGE: Color = (255, 255, 255)
 FLOOR: Color = (248, 247, 243)
@@ -27,6 +27,7 @@ AGENTS: tuple[Color, ...] = (  # after Okabe & Ito: they stay apart for the colo
     (86, 180, 233),
     (240, 228, 66),
 )
+FULL_TURN = 1.5 * np.pi  # [rad] of a bent arrow that stands for the torque limit
 SHAFT, CORE = 5.0, 2.4  # [unit] widths of an arrow and of the internal one in it
 
 
@@ -72,3 +73,42 @@ def wrench_arrows(
     if length > 2 * unit:
         shapes.append(arrow(grip + 8.5 * unit / length * force, force, width * unit))
     return shapes
+
+
+def draw_wrenches(
+    canvas: Canvas,
+    grips: FloatArray,
+    forces: FloatArray,
+    turns: FloatArray,
+    outwards: FloatArray,
+    unit: float,
+) -> None:
+    """Draw the grips, and at each the applied wrench with the internal one in it.
+
+    Parameters
+    ----------
+    grips
+        ``(n, 2)`` [px].
+    forces, turns
+        Applied and internal, ``(2, n, 2)`` [px] and ``(2, n)`` [rad].
+    outwards
+        ``(n,)``, where bent arrows begin [rad].
+    unit
+        Width of a line that is just well visible [px].
+    """
+    for agent, grip in enumerate(grips):
+        dark, bright = (
+            wrench_arrows(
+                grip, force[agent], float(outwards[agent]), float(turn[agent]), width, unit
+            )
+            for force, turn, width in zip(forces, turns, (SHAFT, CORE), strict=True)
+        )
+        with canvas.fine(around([grip, *dark, *bright], 10 * unit)) as pen:
+            for shape in dark:
+                pen.line(shape, 2 * unit, FLOOR, closed=True)  # sets it off from the body
+            for shape in dark:
+                pen.polygon(shape, APPLIED)
+            for shape in bright:
+                pen.polygon(shape, INTERNAL)
+            for radius, color in ((8, EDGE), (6.8, PAGE), (5.4, agent_color(agent))):
+                pen.disc(grip, radius * unit, color)

@@ -1,7 +1,7 @@
 """Pictures on disk: one as PNG, many as an animated GIF."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from coopenv.render.canvas import Picture
 
 def save_png(path: str | os.PathLike, frame: npt.ArrayLike) -> None:
     """Write one picture ``(height, width, 3)`` uint8; whole or not at all."""
-    image = _pillow().fromarray(_checked(frame))
+    image = _pillow().fromarray(checked(frame))
     with written(path) as part, part.open("wb") as file:
         image.save(file, format="PNG", optimize=True)
 
@@ -23,19 +23,16 @@ def save_png(path: str | os.PathLike, frame: npt.ArrayLike) -> None:
 def save_gif(path: str | os.PathLike, frames: Sequence[Picture], *, fps: float) -> None:
     """Write pictures as an endlessly repeated animation; whole or not at all.
 
-    All pictures share one palette, so that what does not move costs nothing. A GIF counts
+    All pictures share one palette, so that what does not move costs nothing. They are asked for one
+    after the other, after a dozen for the palette: they need not all be in memory. A GIF counts
     hundredths of a second, and viewers slow down what is faster than 50 pictures a second.
     """
     images = _pillow()
     if not len(frames):
         raise InvalidInput("frames must hold at least one picture, got none; draw some first")
     hundredths = max(2, round(100 / positive(fps, "fps")))
-    pictures = [_checked(frame) for frame in frames]
-    if len({picture.shape for picture in pictures}) > 1:
-        raise InvalidInput(
-            "frames must all be of one size, got several; write one file for each renderer"
-        )
-    palette = _palette(pictures)
+    palette = _palette(frames)
+    pictures = _of_one_size(frames)
     quantized = (images.fromarray(p).quantize(palette=palette, dither=0) for p in pictures)
     with written(path) as part, part.open("wb") as file:
         next(quantized).save(
@@ -48,11 +45,25 @@ def save_gif(path: str | os.PathLike, frames: Sequence[Picture], *, fps: float) 
         )
 
 
-def _palette(pictures: Sequence[Picture]) -> Any:
+def _of_one_size(frames: Sequence[Picture]) -> Iterator[Picture]:
+    """The pictures one by one, as long as they are as large as the first."""
+    shape: tuple[int, ...] | None = None
+    for frame in frames:
+        picture = checked(frame)
+        shape = shape or picture.shape
+        if picture.shape != shape:
+            raise InvalidInput(
+                "frames must all be of one size, got several; write one file for each renderer"
+            )
+        yield picture
+
+
+def _palette(frames: Sequence[Picture]) -> Any:
     """A paletted image with the commonest colours as they are and the others by median cut."""
     images = _pillow()
-    chosen = np.linspace(0, len(pictures) - 1, min(12, len(pictures))).round().astype(int)
-    colors = np.concatenate([pictures[k].reshape(-1, 3) for k in chosen]).astype(np.uint32)
+    chosen = np.linspace(0, len(frames) - 1, min(12, len(frames))).round().astype(int)
+    shown = [checked(frames[int(k)]).reshape(-1, 3) for k in chosen]
+    colors = np.concatenate(shown).astype(np.uint32)
     packed = colors @ np.array([1 << 16, 1 << 8, 1], dtype=np.uint32)
     found, counts = np.unique(packed, return_counts=True)
     found = np.stack([found >> 16, found >> 8 & 255, found & 255], axis=-1).astype(np.uint8)
@@ -69,7 +80,8 @@ def _palette(pictures: Sequence[Picture]) -> Any:
     return palette
 
 
-def _checked(frame: npt.ArrayLike) -> Picture:
+def checked(frame: npt.ArrayLike) -> Picture:
+    """The picture; raises `InvalidInput` if it is none."""
     picture = np.asarray(frame)
     if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3:
         raise InvalidInput(

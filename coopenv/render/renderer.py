@@ -15,31 +15,27 @@ from coopenv.physics.scene import Scene
 from coopenv.render.canvas import Canvas, Picture, Window, around
 from coopenv.render.caption import Caption
 from coopenv.render.look import (
-    APPLIED,
     ARRIVED,
     BODY,
     BODY_ARRIVED,
-    CORE,
     EDGE,
     FLOOR,
+    FULL_TURN,
     GRID,
-    INTERNAL,
     MARK,
     PAGE,
     SHADOW,
-    SHAFT,
     WALL,
     agent_color,
     chevron,
+    draw_wrenches,
     ghost,
     wheels,
-    wrench_arrows,
 )
 from coopenv.transition import Transition
 
 MODES = ("human", "rgb_array")
 TALLEST = 1.5  # of a room's picture, per width
-FULL_TURN = 1.5 * np.pi  # [rad] of a bent arrow that stands for the torque limit
 
 
 class Renderer:
@@ -239,22 +235,8 @@ class Renderer:
         turns = FULL_TURN * np.clip(wrenches[..., 2] / torque_limit, -1.2, 1.2)  # [rad]
         frames = transition.team.frame[k]
         outwards = pose[2] + np.arctan2(-frames[:, 1], -frames[:, 0])  # away from the centre [rad]
-        for agent, grip in enumerate(self._placed(self.body.grips, pose)):
-            dark, bright = (
-                wrench_arrows(
-                    grip, force[agent], float(outwards[agent]), float(turn[agent]), width, unit
-                )
-                for force, turn, width in zip(forces, turns, (SHAFT, CORE), strict=True)
-            )
-            with self._canvas.fine(around([grip, *dark, *bright], 10 * unit)) as pen:
-                for shape in dark:
-                    pen.line(shape, 2 * unit, FLOOR, closed=True)  # sets it off from the body
-                for shape in dark:
-                    pen.polygon(shape, APPLIED)
-                for shape in bright:
-                    pen.polygon(shape, INTERNAL)
-                for radius, color in ((8, EDGE), (6.8, PAGE), (5.4, agent_color(agent))):
-                    pen.disc(grip, radius * unit, color)
+        grips = self._placed(self.body.grips, pose)
+        draw_wrenches(self._canvas, grips, forces, turns, outwards, unit)
 
     def _mark(self, pose: FloatArray) -> FloatArray:
         """Where the mark of the heading goes [m]: to the centre of mass unless a grip is there."""

@@ -1,0 +1,84 @@
+"""Pictures of a recorded trial: the object where its pose says, its wrenches at its grips."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pygame")
+
+from coopenv.errors import InvalidInput
+from coopenv.render.look import APPLIED, BODY, INTERNAL
+from coopenv.render.stage import Stage
+
+BAR = np.array([(-0.5, 0.0), (0.5, 0.0)])
+POSE = np.array([(-1.0, -0.5, 0.0), (1.0, 0.5, np.pi / 2), (np.nan, 0.0, 0.0)])
+PUSH = np.array([(10.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
+
+
+def stage(applied=None, internal=None, grips=BAR, pose=POSE) -> Stage:
+    nothing = np.zeros((len(pose), len(grips), 3))
+    return Stage(
+        pose,
+        grips,
+        nothing if applied is None else applied,
+        nothing if internal is None else internal,
+        width=320,
+    )
+
+
+def middle(picture, color) -> np.ndarray:
+    """Mean place of a colour, (x, y) [px]; the legend left out."""
+    rows, columns = np.nonzero((picture[:-50] == color).all(axis=-1))
+    return np.array([columns.mean(), rows.mean()])
+
+
+def extent(picture, color) -> np.ndarray:
+    rows, columns = np.nonzero((picture[:-50] == color).all(axis=-1))
+    return np.array([np.ptp(columns), np.ptp(rows)])
+
+
+def test_the_object_lies_where_its_pose_says_y_up():
+    drawn = stage()
+    first, second = (drawn.picture(row) for row in (0, 1))
+    step = middle(second, BODY) - middle(first, BODY)
+    metre = step[0] / 2.0  # [px]
+    assert step[1] == pytest.approx(-metre, abs=3)
+    assert extent(first, BODY)[0] > 3 * extent(first, BODY)[1]
+    assert extent(second, BODY)[1] > 3 * extent(second, BODY)[0]
+
+
+def test_of_a_row_without_pose_the_floor_alone_is_drawn():
+    lost = stage().picture(2)
+    assert not (lost[:-50] == BODY).all(axis=-1).any()
+    with pytest.raises(InvalidInput, match="pose must be finite in some rows"):
+        stage(pose=POSE[2:])
+
+
+def test_arrows_turn_with_the_object_and_the_internal_one_is_in_the_applied():
+    applied = np.broadcast_to(PUSH, (3, 2, 3))
+    drawn = stage(applied, applied)
+    flat, upright = (extent(drawn.picture(row), INTERNAL) for row in (0, 1))
+    assert flat[0] > 3 * flat[1]
+    assert upright[1] > 3 * upright[0]
+    assert not (stage(applied).picture(0)[:-50] == INTERNAL).all(axis=-1).any()
+    assert extent(stage(applied).picture(0), APPLIED)[0] > 20
+
+
+def test_wrenches_of_a_bad_row_are_not_drawn():
+    applied = np.full((3, 2, 3), np.nan)
+    applied[1] = PUSH
+    drawn = stage(applied, applied)
+    assert not (drawn.picture(0)[:-50] == APPLIED).all(axis=-1).any()
+    assert (drawn.picture(0)[:-50] == BODY).all(axis=-1).any()
+    assert (drawn.picture(1)[:-50] == APPLIED).all(axis=-1).any()
+
+
+@pytest.mark.parametrize("num_effectors", [1, 2, 3, 5])
+def test_any_number_of_grips_makes_an_object(num_effectors):
+    turns = np.arange(num_effectors) * 2 * np.pi / num_effectors
+    grips = np.stack([np.cos(turns), np.sin(turns)], axis=-1)[::-1]
+    assert (stage(grips=grips).picture(0)[:-50] == BODY).all(axis=-1).sum() > 100
+
+
+def test_grips_at_the_centre_of_mass_make_an_object_too():
+    drawn = stage(grips=np.zeros((1, 2)), pose=POSE[:1])
+    assert (drawn.picture(0)[:-50] == BODY).all(axis=-1).any()
