@@ -13,7 +13,7 @@ from coopenv.render.caption import SPAN
 from coopenv.render.look import EDGE, FLOOR, GRID, INTERNAL, PAGE, TEXT, agent_color
 
 LEAST_PANEL = 62  # [unit] height that still shows a curve
-SIXTHS = 6  # room for the number of the time axis, as parts of the width
+MOST_STEPS = 6  # between numbers of the time axis
 
 
 class Panel(NamedTuple):
@@ -118,7 +118,7 @@ class Series:
         height, width, _ = canvas.pixels.shape
         canvas.fill((0, 0, width, height), PAGE)
         first, last = float(self._time[0]), float(self._time[-1])
-        ticks = [t for t in _ticks(0.0, last - first, SIXTHS)]
+        ticks = _ticks(0.0, last - first, MOST_STEPS)
         places = self._across(np.array(ticks) + first)
         for k, panel in enumerate(self._panels):
             top, bottom = self._tops[k], self._bottoms[k]
