@@ -58,8 +58,10 @@ def run(study: Study, tell: Callable[[str], None] = print) -> list[Evaluation]:
             began = time.perf_counter()
             policy = train(config, report=rows.append)
             tell(f"{name}: trained in {time.perf_counter() - began:.0f} s")
-            held_out = {"episodes": study.episodes, "seed": study.evaluation}
-            seen.append(evaluate(policy, environment.config(), **held_out, name=name))
+            there = environment.config()
+            seen.append(
+                evaluate(policy, there, episodes=study.episodes, seed=study.evaluation, name=name)
+            )
             histories[reward].append(rows)
     for file in ("table.csv", "table.json"):
         save(seen, study.out / file)
