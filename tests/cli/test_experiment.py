@@ -54,7 +54,7 @@ def test_a_dry_run_says_what_it_comes_to_and_writes_nothing(file, tmp_path, monk
     assert "reward (3): none, squeeze, share" in printed
     assert "10 cells, 0 control steps of training" in printed
     assert cli.main(["sweep", "wasted_cost", "0", "0.1", "--seeds=2", "--dry-run"]) == 0
-    assert "4 cells, 2,400,000 control steps" in capsys.readouterr().out
+    assert "4 cells, 3,600,000 control steps" in capsys.readouterr().out
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
 
 
