@@ -1,17 +1,19 @@
-"""Environment steps per second, beside the bare physics and VMAS in the same run.
+"""Environment steps per second, on one core and on all, beside bare physics and VMAS.
+
+    python -m benchmarks.speed.transport --write     # also writes README's table
 
 Everything is on: decomposition, measures, default reward, observation and infos. "Bare" is what
-pymunk itself costs for the same bodies, moving as briskly: set every force, step, read every pose
-and twist, five times a control step or as often as the default has substeps. VMAS, where it is
-installed, runs
-its two-agent ``transport`` at the same number of worlds.
+pymunk itself costs for the same bodies on one core, moving as briskly: set every force, step, read
+every pose and twist, five times a control step. VMAS, where it is installed, runs its two-agent
+``transport`` at the same number of worlds, on all cores.
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -19,13 +21,16 @@ import gymnasium
 import numpy as np
 import pymunk.batch as batch
 
-from coopenv import Transport
+from benchmarks.pages import markdown, show
+from coopenv import Transport, beam_transport_v0
 from coopenv.arrays import FloatArray
+from coopenv.compiled.parallel.crew import cores
 
-SIZES = (1, 16, 256, 1024)
+SIZES = (1, 16, 64, 256, 1024, 4096, 16_384)
 REPEATS = 9
 TARGET_RATIO = 1.5  # full step to five bare substeps, at 256 worlds and more
-TARGET_SINGLE = 8_000  # steps/s of the single Gymnasium environment
+TARGET_SINGLE = 13_000  # steps/s of the single Gymnasium environment
+PAGE = Path(__file__).parents[2] / "README.md"
 
 
 @dataclass(frozen=True)
@@ -33,24 +38,26 @@ class Row:
     """Medians at one number of worlds [µs a world and control step]."""
 
     num_worlds: int
-    full: float
-    bare_five: float
-    bare_same: float
-    ratio: float  # full / bare_five, median of the repeats' own ratios
+    one: float  # full step, one thread
+    all: float  # full step, as many threads as are taken by default
+    gain: float  # one / all, median of the repeats' own ratios, as `ratio`
+    bare: float  # five substeps of pymunk alone
+    ratio: float  # one / bare
     vmas: float | None
 
 
 def compare(num_worlds: int) -> Row:
     """Time everything side by side, alternating within each repeat."""
-    steps = max(30, min(1000, 20_000 // num_worlds))
-    core = Transport(num_worlds=num_worlds)
+    steps = max(60, min(1000, 50_000 // num_worlds))
+    alone = Transport(num_worlds=num_worlds, threads=1)
+    shared = Transport(num_worlds=num_worlds)
     runs: dict[str, Callable[[], float]] = {
-        "full": lambda: full_step(core, steps),
-        "five": lambda: bare_step(core, 5, steps),
-        "same": lambda: bare_step(core, core.substeps, steps),
+        "one": lambda: full_step(alone, steps),
+        "all": lambda: full_step(shared, steps),
+        "bare": lambda: bare_step(alone, 5, steps),
     }
     if find_spec("vmas"):
-        runs["vmas"] = vmas_run(num_worlds, max(20, steps // 10))
+        runs["vmas"] = vmas_run(num_worlds, max(10, steps // 10))
     for run in runs.values():
         run()
     times = {name: [] for name in runs}
@@ -59,10 +66,11 @@ def compare(num_worlds: int) -> Row:
             times[name].append(run() / num_worlds * 1e6)
     return Row(
         num_worlds=num_worlds,
-        full=median(times["full"]),
-        bare_five=median(times["five"]),
-        bare_same=median(times["same"]),
-        ratio=median(np.divide(times["full"], times["five"])),
+        one=median(times["one"]),
+        all=median(times["all"]),
+        gain=median(np.divide(times["one"], times["all"])),
+        bare=median(times["bare"]),
+        ratio=median(np.divide(times["one"], times["bare"])),
         vmas=median(times["vmas"]) if "vmas" in times else None,
     )
 
@@ -135,7 +143,7 @@ def vmas_run(num_worlds: int, steps: int) -> Callable[[], float]:
     import torch
 
     vmas: Any = import_module("vmas")
-    torch.set_num_threads(1)
+    torch.set_num_threads(cores())
     env = vmas.make_env("transport", num_envs=num_worlds, n_agents=2, device="cpu", seed=0)
     env.reset()
     generator = torch.Generator().manual_seed(0)
@@ -154,6 +162,17 @@ def single_gymnasium() -> float:
     """Steps a second of ``gymnasium.make``'s environment without its wrappers, median."""
     env = gymnasium.make("coopenv/BeamTransport-v0").unwrapped
     actions = np.random.default_rng(0).uniform(-1, 1, (150, 6)).astype(np.float32)
+    return _rate(env, actions)
+
+
+def single_parallel() -> float:
+    """Steps a second of PettingZoo's parallel view, median."""
+    env = beam_transport_v0.parallel_env()
+    actions = np.random.default_rng(0).uniform(-1, 1, (150, 2, 3)).astype(np.float32)
+    return _rate(env, [dict(zip(env.possible_agents, action, strict=True)) for action in actions])
+
+
+def _rate(env: Any, actions: Sequence[Any]) -> float:
     rates = []
     for repeat in range(REPEATS + 1):
         env.reset(seed=repeat)
@@ -168,30 +187,45 @@ def tables() -> list[tuple[str, list[str], list[list[str]]]]:
     """Title, columns and rows of what this module measures."""
     columns = [
         "worlds",
-        "full step [µs/world]",
-        "bare, same substeps",
-        "bare, 5 substeps",
-        "full / bare 5",
+        "one thread [µs a world]",
+        "default",
+        "gain",
+        "pymunk alone, 5 substeps",
+        "one thread / pymunk",
         "coopenv [steps/s]",
-        "VMAS transport [steps/s]",
+        "VMAS `transport` [steps/s]",
         "ratio",
     ]
     title = f"Full step (target: ≤ {TARGET_RATIO} × five bare substeps from 256)"
-    single = [[f"{single_gymnasium():,.0f}", f"≥ {TARGET_SINGLE:,}"]]
+    single = [
+        ["`gymnasium.make(...).unwrapped`", f"{single_gymnasium():,.0f}", f"{TARGET_SINGLE:,}"],
+        ["`parallel_env()`", f"{single_parallel():,.0f}", f"{TARGET_SINGLE:,}"],
+    ]
     return [
         (title, columns, [_line(compare(num_worlds)) for num_worlds in SIZES]),
-        ("gymnasium.make(...).unwrapped, one world", ["steps/s", "target"], single),
+        ("One world", ["view", "steps/s", "wanted"], single),
     ]
 
 
 def _line(row: Row) -> list[str]:
     return [
         f"{row.num_worlds:,}",
-        f"{row.full:.2f}",
-        f"{row.bare_same:.2f}",
-        f"{row.bare_five:.2f}",
+        f"{row.one:.2f}",
+        f"{row.all:.2f}",
+        f"{row.gain:.2f}",
+        f"{row.bare:.2f}",
         f"{row.ratio:.2f}",
-        f"{1e6 / row.full:,.0f}",
+        f"{1e6 / min(row.one, row.all):,.0f}",
         "not installed" if row.vmas is None else f"{1e6 / row.vmas:,.0f}",
-        "" if row.vmas is None else f"{row.vmas / row.full:.1f} ×",
+        "" if row.vmas is None else f"{row.vmas / min(row.one, row.all):.1f} ×",
     ]
+
+
+def main() -> None:
+    """Print the tables; with ``--write`` also put them on README."""
+    (_, columns, rows), (_, views, rates) = tables()
+    show(PAGE, {"speed": markdown(columns, rows), "single": markdown(views, rates)})
+
+
+if __name__ == "__main__":
+    main()
