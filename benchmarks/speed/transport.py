@@ -162,7 +162,7 @@ def single_gymnasium() -> float:
     """Steps a second of ``gymnasium.make``'s environment without its wrappers, median."""
     env = gymnasium.make("coopenv/BeamTransport-v0").unwrapped
     actions = np.random.default_rng(0).uniform(-1, 1, (150, 6)).astype(np.float32)
-    return _rate(env, actions)
+    return _rate(env, list(actions))
 
 
 def single_parallel() -> float:
