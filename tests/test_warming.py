@@ -129,3 +129,11 @@ def test_a_report_is_told_what_is_compiled(monkeypatch):
 
 def refused() -> None:
     wrench.Settings(torque_weight=2.0)
+
+
+def test_every_place_holds_the_team_it_is_called_after():
+    shapes = {name: grips.shape for name, grips in decompositions.places().items()}
+    assert {shape[-2:] for name, shape in shapes.items() if "pair" in name} == {(2, 2), (2, 3)}
+    assert shapes["a pair in space"] == (2, 3)
+    assert shapes["a team in the plane"] == (3, 2)
+    assert shapes["a team in space"] == (3, 3)

@@ -288,3 +288,11 @@ def test_every_environment_that_options_name_comes_back_from_its_config_json(
     assert command("train", "--config", path).training == config
     made = command("evaluate", "random", "--config", path)
     assert made.environment.config() == config.environment.config()
+
+
+def test_a_file_says_where_what_is_evaluated_goes(tmp_path):
+    path = tmp_path / "look.toml"
+    path.write_text('[evaluation]\nepisodes = 7\nout = "runs/look.csv"\n')
+    made = command("evaluate", "random", "--config", path)
+    assert made.episodes == 7
+    assert made.out == Path("runs/look.csv")

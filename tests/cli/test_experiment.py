@@ -1,5 +1,6 @@
 """``coopenv experiment``, ``sweep`` and ``report`` on the command line."""
 
+import io
 import re
 
 import pytest
@@ -7,9 +8,12 @@ import pytest
 pytest.importorskip("tyro")
 pytest.importorskip("matplotlib")
 
+from rich.console import Console
+
 from coopenv import cli
 from coopenv.agents import experiments
 from coopenv.agents.experiments import conduct, run
+from coopenv.cli import experiment
 from tests.agents.experiments.cases import TEXT, here, no_pictures, small
 
 
@@ -117,3 +121,12 @@ def test_a_report_of_nothing_is_refused(tmp_path, capsys):
     conduct(experiment, launch=lambda folder, report: "no", workers=1)
     assert cli.main(["report", str(experiment.out)]) == 1
     assert "which has none of 4" in capsys.readouterr().err
+
+
+def test_on_a_terminal_a_bar_counts_cells_and_steps():
+    console = Console(file=io.StringIO(), force_terminal=True, width=120)
+    with experiment._progress(console) as show:
+        show(done=30.0, total=120.0, cells=1, of=4)
+    printed = console.file.getvalue()
+    assert "1 of 4 cells" in printed
+    assert "25 %" in printed

@@ -1,11 +1,13 @@
 """coopenv show, as a user calls it."""
 
+import numpy as np
 import pytest
 
 pytest.importorskip("tyro")
 pytest.importorskip("matplotlib")
 
-from coopenv import cli
+from coopenv import cli, wrench
+from coopenv.wrench import plot
 from tests.logs import cases
 
 FIGHT = ("--grips", -0.9, 0, 0.9, 0, "--applied", 3, 0, 0, -1, 0, 0)
@@ -78,6 +80,23 @@ def test_a_split_that_is_not_plausible_is_called_so(capsys):
     assert "own split" in printed
     assert "NOT plausible" in printed
     assert "1.0e+00 N" in printed
+
+
+def test_the_picture_is_of_the_method_that_was_asked_for(monkeypatch):
+    drawn = []
+
+    def seen(*given, **said):
+        drawn.append(said)
+        return plot(*given, **said)
+
+    monkeypatch.setattr(wrench, "plot", seen)
+    assert run("show", *FIGHT, "--method", "net_force", "--no-regions") == 0
+    (said,) = drawn
+    expected = wrench.decompose(
+        np.reshape(FIGHT[6:], (2, 3)), [[-0.9, 0], [0.9, 0]], method="net_force"
+    )
+    np.testing.assert_array_equal(said["decomposition"].internal, expected.internal)
+    assert "internal" not in said
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ from coopenv import cli
 from coopenv.errors import CoopenvError
 from coopenv.logs import Layout, read
 from coopenv.logs.inspected import first_layout, inspect_file
-from coopenv.logs.inspected.guesses import guesses
+from coopenv.logs.inspected.contents import Seen
+from coopenv.logs.inspected.guesses import guess, guesses
 from tests.logs import cases, devices, kinds
 from tests.reliability.damaged import KINDS, damaged
 
@@ -170,3 +171,13 @@ def test_names_that_would_break_out_of_a_layout_do_not(tmp_path):
     (tmp_path / "made.toml").write_text(first_layout(contents), encoding="utf-8")
     made = Layout.load(tmp_path / "made.toml")
     assert made.columns == {"f1x": name}
+
+
+@pytest.mark.parametrize(
+    ("name", "could"),
+    [("omega_w", None), ("vel_w", None), ("omega_x", "omega_x"), ("vel_y", "vy"), ("quat_w", "qw")],
+)
+def test_a_w_is_of_a_quaternion_alone(name, could):
+    seen = Seen(name=name, is_number=True, unit="", first="0", missing=0, low=0.0, high=1.0)
+    found = guess(seen)
+    assert (found.name if found else None) == could

@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("matplotlib")
@@ -14,6 +15,7 @@ from coopenv.agents.experiments import Results, write_report
 from coopenv.agents.experiments.cell import Cell
 from coopenv.agents.experiments.report import pictures
 from coopenv.agents.experiments.report.measures import MEASURES
+from coopenv.agents.experiments.report.page import Estimate
 from coopenv.agents.experiments.report.results import Run
 from coopenv.agents.experiments.sweep import sweep
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
@@ -228,3 +230,29 @@ def test_a_sweep_of_what_does_not_exist_is_refused(tmp_path):
             sweep("time", values, TrainConfig(out=tmp_path))
     with pytest.raises(InvalidInput, match="fresh must be False"):
         sweep("time", [1.0], TrainConfig(out=tmp_path, fresh=True))
+
+
+def test_what_the_lines_of_a_profile_are_stands_beside_them(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(pictures, "_save", lambda figure, path: drawn.append(figure))
+    scores = {name: [*map(np.array, SUCCESS[name].values())] for name in ("plain", "gentle")}
+    pictures.draw_profiles(scores, tmp_path / "profiles.png")
+    (axes,) = drawn[0].axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["plain", "gentle"]
+
+
+def test_settings_beyond_the_colours_have_marks_of_their_own(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(pictures, "_save", lambda figure, path: drawn.append(figure))
+    some = Estimate(value=1.0, low=0.5, high=1.5)
+    found = {
+        f"setting {n}": dict.fromkeys(("success_time", "wasted_cost", "success_rate"), some)
+        for n in range(12)
+    }
+    pictures.draw_pareto(found, [], tmp_path / "pareto.png")
+    lines = [
+        line for line in drawn[0].axes[0].get_lines() if line.get_label().startswith("setting")
+    ]
+    looks = [(line.get_marker(), line.get_color()) for line in lines]
+    assert len(set(looks)) == 12
+    assert looks[0][1] == looks[10][1]

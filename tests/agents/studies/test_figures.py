@@ -81,3 +81,17 @@ def test_a_figure_is_a_png(tmp_path):
     figures.draw_trials([TRIAL], DISAGREEMENT_PANELS[:1], tmp_path / "one.png", title="one")
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
     assert [path.name for path in tmp_path.iterdir()] == ["one.png"]
+
+
+def test_a_legend_stands_beside_its_panel_without_a_frame():
+    from matplotlib.figure import Figure
+
+    axes = Figure().subplots()
+    axes.plot([0, 1], [0, 1], label="γ")
+    figures.legend_beside(axes)
+    legend = axes.get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == ["γ"]
+    assert not legend.get_frame_on()
+    bare = Figure().subplots()
+    figures.legend_beside(bare)
+    assert bare.get_legend() is None

@@ -83,3 +83,12 @@ def test_it_writes_claims_sources_and_a_picture_for_each_figure(tmp_path, monkey
 def test_wrong_numbers_are_refused(values):
     with pytest.raises(InvalidInput, match=next(iter(values))):
         SnapshotsConfig(**values)
+
+
+def test_how_far_a_split_lies_outside_its_ball_is_that_of_the_ball():
+    internal = 3.0 * examples.SQUEEZE
+    manipulation = examples.GRASP - internal
+    out = np.linalg.norm((manipulation - examples.GRASP / 2)[:, :2], axis=-1)
+    out -= np.linalg.norm(examples.GRASP[:, :2], axis=-1) / 2
+    assert grasps._beyond(internal) == pytest.approx(max(out.max(), 0.0), rel=1e-9)
+    assert grasps._beyond(internal) > 1.0

@@ -4,7 +4,7 @@ import csv
 import zipfile
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ from stable_baselines3 import PPO
 from coopenv.agents.sb3 import FallingRate
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
-from coopenv.agents.training.checkpoint import Checkpoint
+from coopenv.agents.training.checkpoint import Checkpoint, Keeper
 from coopenv.agents.training.progress import Progress, Watch, episode_means
 from coopenv.errors import InvalidInput
 from tests.agents.training.cases import SHORT, tiny
@@ -343,3 +343,9 @@ def test_a_mean_is_over_the_episodes_in_which_it_is_defined():
     ended = [{"success": 1.0, "load_imbalance": 0.5}, {"success": 0.0}]
     assert episode_means(ended) == {"episodes": 2, "success": 0.5, "load_imbalance": 0.5}
     assert episode_means([]) == {}
+
+
+def test_before_the_first_update_there_is_nothing_to_write(tmp_path):
+    keeper = Keeper(tmp_path, cast(Any, None), Progress(steps=7), every=1)
+    assert keeper.write_kept(cast(Any, None)) == 7
+    assert not list(tmp_path.iterdir())

@@ -74,6 +74,19 @@ def test_in_space_too_the_internal_arrow_appears_only_in_a_fight():
     assert internal(wrench.plot(agreeing, SPACE)) == set()
 
 
+def test_in_space_the_arcs_of_one_torque_lie_beside_each_other():
+    applied = np.concatenate([IN_SPACE[:, :3], [(0.0, 0.0, 3.0), (0.0, 0.0, -1.0)]], axis=-1)
+    axes = wrench.plot(applied, SPACE)
+    radii = {
+        line.get_label().split()[0]: np.linalg.norm(np.transpose(line.get_data_3d())[0] - SPACE[0])
+        for line in axes.lines
+        if (line.get_gid() or "").endswith("torque 1")
+    }
+    assert set(radii) == {"applied", "manipulation", "internal"}
+    assert radii["manipulation"] == pytest.approx(1.25 * radii["applied"])
+    assert radii["internal"] == pytest.approx(1.5 * radii["applied"])
+
+
 def test_manipulation_and_internal_arrow_end_where_the_applied_one_does():
     applied = np.array([(6.0, 4.0, 0.0), (-2.0, -3.0, 0.0)])
     axes = wrench.plot(applied, BEAM, method="nonsqueezing")

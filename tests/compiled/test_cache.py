@@ -1,0 +1,28 @@
+"""The cache on disk: whose kernels it keeps, and what a write that was broken off leaves."""
+
+import pytest
+
+from coopenv.compiled import cache
+from coopenv.compiled.dependencies import KERNELS
+
+
+def test_the_cache_is_for_kernels_of_ours_alone():
+    kernel = next(iter(KERNELS))
+    assert cache._Locator.from_function(kernel, kernel.__code__.co_filename) is not None
+    assert cache._Locator.from_function(pytest.fail, pytest.__file__) is None
+
+
+def test_a_write_that_is_broken_off_leaves_nothing(tmp_path):
+    files = cache._Files(str(tmp_path), "kernel", "stamp")
+
+    def stopped():
+        with files._open_for_write(str(tmp_path / "data")) as file:
+            file.write(b"half of it")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert not list(tmp_path.iterdir())
+    with files._open_for_write(str(tmp_path / "data")) as file:
+        file.write(b"all of it")
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]
