@@ -3,7 +3,7 @@
 import pytest
 
 from coopenv.compiled import cache
-from coopenv.compiled.dependencies import KERNELS
+from coopenv.compiled.dependencies import KERNELS, _is_constant
 
 
 def test_the_cache_is_for_kernels_of_ours_alone():
@@ -26,3 +26,8 @@ def test_a_write_that_is_broken_off_leaves_nothing(tmp_path):
     with files._open_for_write(str(tmp_path / "data")) as file:
         file.write(b"all of it")
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
+
+
+def test_a_kernel_depends_on_numbers_and_on_tuples_of_nothing_else():
+    assert all(map(_is_constant, (1, 0.5, (1, (2.0, True)))))
+    assert not any(map(_is_constant, ("word", (1, "word"), ((1, object()), 2), [1])))

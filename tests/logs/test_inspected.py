@@ -181,3 +181,21 @@ def test_a_w_is_of_a_quaternion_alone(name, could):
     seen = Seen(name=name, is_number=True, unit="", first="0", missing=0, low=0.0, high=1.0)
     found = guess(seen)
     assert (found.name if found else None) == could
+
+
+@pytest.mark.parametrize(
+    ("name", "high", "unit"),
+    [
+        ("x", 812.0, "mm"),
+        ("x", 0.8, ""),
+        ("theta", 90.0, "deg"),
+        ("theta", 1.5, ""),
+        ("r1x", 900.0, ""),
+        ("f1x", 900.0, ""),
+    ],
+)
+def test_numbers_too_large_for_a_room_are_millimetres_or_degrees(name, high, unit):
+    seen = Seen(name=name, is_number=True, unit="", first="0", missing=0, low=-0.1, high=high)
+    found = guess(seen)
+    assert found is not None
+    assert (found.name, found.unit, found.said and bool(unit)) == (name, unit, False)

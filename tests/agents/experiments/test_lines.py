@@ -29,6 +29,7 @@ list = [
   { three = 3 },
 ]
 [a.b2]
+large = [1_000, 2_000.5]
 f = 1979-05-27T07:32:00Z
 [[items]]
 name = "first"

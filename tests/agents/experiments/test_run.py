@@ -1,5 +1,6 @@
 """Running of grids: interruptions, kills, failures, and what is never written over."""
 
+import io
 import json
 import subprocess
 import sys
@@ -15,7 +16,7 @@ pytest.importorskip("matplotlib")
 from coopenv.agents.experiments import conduct
 from coopenv.agents.experiments.cell import CELL, FAILURE, RESULT, Cell
 from coopenv.agents.experiments.run import WORK, run_cells
-from coopenv.agents.experiments.work import main, work
+from coopenv.agents.experiments.work import _tell, main, work
 from coopenv.errors import InvalidInput, MissingPackage
 from tests.agents.experiments.cases import ENVIRONMENT, files, here, no_pictures, small
 
@@ -231,3 +232,15 @@ def test_a_project_without_the_package_says_what_to_install(tmp_path, monkeypatc
     cell.save(tmp_path)
     with pytest.raises(MissingPackage, match="pip install 'wandb'"):
         work(tmp_path)
+
+
+def test_what_a_worker_tells_is_read_at_once(monkeypatch):
+    told = []
+
+    class Pipe(io.StringIO):
+        def flush(self):
+            told.append(self.getvalue())
+
+    monkeypatch.setattr(sys, "stdout", Pipe())
+    _tell({"done": 3})
+    assert json.loads(told[-1]) == {"done": 3}

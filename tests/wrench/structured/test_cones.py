@@ -1,10 +1,12 @@
 """Steps of the interior-point method stay in their cones, whatever rounding does."""
 
+from fractions import Fraction
+
 import numpy as np
 from numba import njit
 
 from coopenv.compiled.lanes.memory import four_at
-from coopenv.wrench.structured.cones import CONE, DET_Z, DZ, Z, longest_step
+from coopenv.wrench.structured.cones import CONE, DET_S, DET_Z, DZ, S, Z, inner, longest_step
 
 TRIALS = 2000
 
@@ -14,6 +16,13 @@ def _longest_steps(address):
     """Write the longest steps of four cones where the det stood."""
     cone = four_at(address)
     cone[DET_Z] = longest_step(cone, Z, DZ, cone[DET_Z])
+
+
+@njit(error_model="numpy")
+def _inner_products(address):
+    """Write the inner products of four pairs of points where the det of s stood."""
+    cone = four_at(address)
+    cone[DET_S] = inner(cone)
 
 
 def _longest(z, dz):
@@ -60,3 +69,23 @@ def test_no_step_leads_through_the_apex_however_near_the_boundary_it_begins():
         dz = -factor * (z + off * z[:, :1] * rng.normal(size=(4, 4)))
         step, towards = _longest(z, dz), dz[:, 0] < 0.0
         assert (z[towards, 0] + step[towards] * dz[towards, 0] >= -1e-15 * z[towards, 0]).all()
+
+
+def _exactly(a, b, signs=(1, 1, 1, 1)):
+    return sum(n * Fraction(x) * Fraction(y) for n, x, y in zip(signs, a, b, strict=True))
+
+
+def test_the_product_of_nearly_opposite_points_keeps_its_digits():
+    rng = np.random.default_rng(4)
+    for apart in (1.0, 1e-4, 1e-8, 1e-12):
+        s = _inside(rng, apart)
+        z = s * [1.0, -1.0, -1.0, -1.0] * 10.0 ** rng.uniform(-3, 3, (4, 1))
+        z[:, 1:] *= 1.0 + apart * rng.normal(size=(4, 3))
+        z[:, 0] = np.linalg.norm(z[:, 1:], axis=-1) * (1.0 + apart)
+        cone = np.zeros((CONE, 4))
+        cone[S : S + 4], cone[Z : Z + 4] = s.T, z.T
+        for place, point in ((DET_S, s), (DET_Z, z)):
+            cone[place] = [float(_exactly(one, one, (1, -1, -1, -1))) for one in point]
+        expected = [float(_exactly(a, b)) for a, b in zip(s, z, strict=True)]
+        _inner_products(cone.ctypes.data)
+        np.testing.assert_allclose(cone[DET_S], expected, rtol=1e-3 * apart**0.5 + 1e-11)

@@ -120,3 +120,13 @@ def test_a_table_of_effects_names_what_they_are_on():
         "on": "T_I", "effect": "method × guide", "F": "F(4, 4) = 2.50", "p": "0.06",
         "ε (Greenhouse-Geisser)": "0.750", "p corrected": "0.12", "partial η²": "0.625",
     }  # fmt: skip
+
+
+def test_what_people_did_stands_beside_the_model_where_the_paper_says_it(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(report, "save_figure", lambda figure, path: drawn.append(figure))
+    report.draw_internal_torque(analysis(), tmp_path / "torque.png")
+    handles, labels = drawn[0].axes[0].get_legend_handles_labels()
+    (people,) = [h for h, label in zip(handles, labels, strict=True) if label == "people (paper)"]
+    heights = people[0].get_ydata()
+    assert sorted(heights) == sorted(mean for mean, _ in report.HUMAN_TORQUE.values())
