@@ -92,3 +92,19 @@ def test_how_far_a_split_lies_outside_its_ball_is_that_of_the_ball():
     out -= np.linalg.norm(examples.GRASP[:, :2], axis=-1) / 2
     assert grasps._beyond(internal) == pytest.approx(max(out.max(), 0.0), rel=1e-9)
     assert grasps._beyond(internal) > 1.0
+
+
+def test_the_picture_of_powers_has_the_band_and_the_velocity_of_its_claim(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(pictures, "save_figure", lambda figure, path: drawn.append(figure))
+    pictures.draw_power(tmp_path / "power.png")
+    right = drawn[0].axes[1]
+    by_label = dict(zip(*reversed(right.get_legend_handles_labels()), strict=True))
+    band = next(artist for label, artist in by_label.items() if label.startswith("between 0 and"))
+    applied = by_label["Ė_2, applied"].get_ydata()
+    heights = band.get_paths()[0].vertices[:, 1]
+    assert heights.min() == pytest.approx(min(applied.min(), 0.0))
+    assert heights.max() == pytest.approx(max(applied.max(), 0.0))
+    velocity = by_label["the velocity of the claim"].get_xdata()[0]
+    expected = np.degrees(np.arctan2(examples.TWIST[1], examples.TWIST[0]))
+    assert velocity == pytest.approx(expected)

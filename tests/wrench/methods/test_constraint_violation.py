@@ -80,3 +80,11 @@ def test_bad_input_is_refused(change, message):
         wrench.constraint_violation(**given)
     with pytest.raises(InvalidInput, match=r"angular_velocity must be of shape \(\.\.\., 3\)"):
         wrench.constraint_violation(np.zeros((2, 6)), np.zeros((2, 3)), angular_velocity=1, **UNIT)
+
+
+def test_as_many_spins_as_sets_of_grips_are_needed():
+    grips = np.broadcast_to(BEAM, (3, *np.shape(BEAM)))
+    with pytest.raises(InvalidInput, match="angular_velocity must be of a batch shape"):
+        wrench.constraint_violation(
+            np.zeros((2, 3)), grips, angular_velocity=[1.0, 2.0, 3.0, 4.0], **UNIT
+        )
