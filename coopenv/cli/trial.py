@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, number, whole
+from coopenv.arrays import BoolArray, FloatArray, number, whole
 from coopenv.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def _stage(
         return Stage(np.column_stack([position, angle]), *wrenches, width=width), said
     turned = np.zeros((rows, 3, 3)) + np.eye(3)
     if angle is not None:
-        lost = ~np.isfinite(angle).all(axis=1)
+        lost: BoolArray = np.asarray(~np.isfinite(angle).all(axis=1))
         turned = np.where(lost[:, None, None], np.nan, rotations(angle, ~lost))
     return SpaceStage(position, turned, *wrenches, width=width), said
 

@@ -51,7 +51,6 @@ def answered(command: list[str]) -> set[str]:
         (["coopenv", "evaluate", "--ep"], {"--episodes"}, {"--seed"}),
         (["coopenv", "evaluate", "random", "--js"], {"--json"}, {"--seed"}),
         (["coopenv", "train", "--control", "sh"], {"shared"}, {"joint"}),
-        (["coopenv", "completion", "f"], {"fish"}, {"bash"}),
     ],
     ids=lambda words: " ".join(words) if isinstance(words, list) else "",
 )

@@ -51,10 +51,14 @@ def documented(name: str) -> set[str]:
     return set(re.findall(r"`(\w+)`", keys.partition(";")[0]))
 
 
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "400")
+
+
 @pytest.fixture
 def trial(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
     return str(cases.save(cases.planar(), tmp_path / "trial.csv"))
 
 
@@ -141,9 +145,7 @@ def test_a_study_says_which_claims_hold(tmp_path, capsys):
         }
 
 
-@pytest.mark.parametrize(
-    "command", [["experiment", "tiny.toml"], ["sweep", "wasted_cost", "0", "1"]]
-)
+@pytest.mark.parametrize("command", ["experiment tiny.toml", "sweep wasted_cost 0 1"])
 def test_a_dry_run_says_what_it_comes_to(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("tiny.toml").write_text(TEXT)
