@@ -179,9 +179,8 @@ class Dyads:
         for note in analysis.notes:
             console.print(f"note: {note}", markup=False, highlight=False)
         _print_files(console, self.out, [*files, *made])
-        rows = {"comparison": report.comparison(analysis), "anova": report.effect_rows(analysis)}
-        notes = {"source": source, "notes": analysis.notes}
-        return _document("dyads", found, self.out, [*files, *made]) | rows | notes
+        document = _document("dyads", found, self.out, [*files, *made])
+        return {**document, **analysis.document()}
 
     def _check(self) -> None:
         for name in ("layout", "platform"):

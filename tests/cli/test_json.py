@@ -18,6 +18,7 @@ from coopenv.agents.controllers import RandomPolicy
 from coopenv.options import Common
 from coopenv.warming import Warmed
 from tests.agents.experiments.cases import TEXT, here, no_pictures
+from tests.agents.studies.dyads.cases import make_trials, varied
 from tests.cli.commands import LEAST
 from tests.logs import cases
 
@@ -143,6 +144,18 @@ def test_a_study_says_which_claims_hold(tmp_path, capsys):
             "why",
             "holds",
         }
+
+
+def test_a_study_of_dyads_has_the_numbers_of_its_tables(tmp_path, capsys):
+    trials = make_trials(pairs=3, trials=2, disagreement=varied, spin=0.0)
+    trials.to_csv(tmp_path / "told.csv", index=False)
+    line = ["study", "dyads", str(tmp_path / "told.csv"), f"--out={tmp_path / 'out'}"]
+    found = asked(line, capsys, "beside the people")
+    assert (found["num_pairs"], len(found["claims"])) == (3, 7)
+    assert {row["pair"] for row in found["internal_torque"]} == {1, 2, 3} or found["notes"]
+    effects = {tuple(effect["factors"]): effect for effect in found["torque_effects"]}
+    assert 0 <= effects["condition",]["p"] <= 1
+    assert len(str(effects["condition",]["f"])) > 8
 
 
 @pytest.mark.parametrize("command", ["experiment tiny.toml", "sweep wasted_cost 0 1"])
