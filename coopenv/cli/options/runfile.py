@@ -52,9 +52,9 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     top = (*TRAINING, *COMPARISON, "evaluation")
     noted, content = _parted(content_of(path))
     content = without_fresh(checked(content, f"option in {path}", top, PLACES), path)
-    content["environment"] = environment_table(content.get("environment", {}), path, trust)
     what = f"option in {path}, evaluation"
     content["evaluation"] = checked(content.get("evaluation", {}), what, EVALUATION, PLACES)
+    content["environment"] = environment_table(content.get("environment", {}), path, trust)
     if noted is not None:
         _check_recorded(noted, content, path)
     return content
