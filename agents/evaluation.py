@@ -1,7 +1,6 @@
 """Evaluations: means over held-out episodes with intervals, their printed table, their files."""
 
 import csv
-import json
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -14,7 +13,7 @@ from typing_extensions import Self
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.files import written
+from coopenv.files import document, written
 from coopenv.info import COST
 
 from .episodes import Episodes
@@ -159,7 +158,7 @@ def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
     rows = [asdict(seen) for seen in evaluations]
     with written(path) as part:
         if kind == ".json":
-            part.write_text(json.dumps(_without_nan(rows), indent=2) + "\n")
+            part.write_text(document(rows) + "\n")
             return
         flat = [_flat(row) for row in rows]
         with part.open("w", newline="") as file:
@@ -182,15 +181,6 @@ def _defined_means(values: FloatArray) -> tuple[float, ...]:
     defined = ~np.isnan(values)
     means = np.nansum(values, axis=0) / np.maximum(defined.sum(axis=0), 1)
     return tuple(np.where(defined.any(axis=0), means, nan).tolist())
-
-
-def _without_nan(value):
-    """NaN is no JSON: null instead."""
-    if isinstance(value, dict):
-        return {name: _without_nan(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_without_nan(entry) for entry in value]
-    return None if value != value else value
 
 
 def _flat(row: dict) -> dict:

@@ -45,6 +45,11 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_custom_sections = ["Source"]
 
+linkcheck_timeout = 20  # [s]
+linkcheck_workers = 4
+linkcheck_anchors_ignore_for_url = [r"https://github\.com/.*"]  # made by scripts after loading
+linkcheck_allowed_redirects = {r"https://doi\.org/.*": r"https?://.*"}
+
 html_theme = "furo"
 html_title = f"coopenv {version}"
 html_favicon = "_static/icon.svg"
@@ -58,12 +63,13 @@ html_show_sourcelink = False
 def write_pages(app: Any) -> None:
     """Write the pages that the code makes, so that the site never says what it is not."""
     from benchmarks.pages import fill
-    from benchmarks.site import environments, rewards
+    from benchmarks.site import environments, results, rewards
 
     for page, text in environments.stale().items():
         page.write_text(text, encoding="utf-8")
-    if rewards.page() != rewards.PAGE.read_text(encoding="utf-8"):
-        fill(rewards.PAGE, rewards.tables())
+    for made in (rewards, results):
+        if made.page() != made.PAGE.read_text(encoding="utf-8"):
+            fill(made.PAGE, made.tables())
 
 
 def with_bars(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:

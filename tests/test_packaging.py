@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import venv
 import zipfile
 from pathlib import Path
 
@@ -116,6 +117,40 @@ print(coopenv.__file__, coopenv.rewards.__file__, coopenv.agents.__file__, sep="
     )
     for path in done.stdout.split():
         assert Path(path).is_relative_to(tmp_path), path
+
+
+FIRST_STEP = """
+import coopenv, gymnasium
+assert "site-packages" in coopenv.__file__, coopenv.__file__
+env = gymnasium.make("coopenv/BeamTransport-v0")
+env.reset(seed=0)
+_, reward, *_, info = env.step(env.action_space.sample())
+assert reward == reward and "relative_cost" in info
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("distribution", ["no links"], indirect=True)
+def test_what_is_released_is_sound_and_works_in_an_empty_environment(distribution, tmp_path):
+    """Needs the net, for twine and for what the package depends on."""
+    venv.create(tmp_path / "venv", with_pip=True)
+    bin = tmp_path / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
+
+    def run(*command: object) -> str:
+        clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        done = subprocess.run(
+            [*map(str, command)], cwd=tmp_path, env=clean, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    run(bin / "python", "-m", "pip", "install", "--quiet", "twine")
+    checked = run(bin / "python", "-m", "twine", "check", "--strict", *distribution)
+    assert checked.count("PASSED") == 2
+    run(bin / "python", "-m", "pip", "install", "--quiet", distribution[1])
+    run(bin / "python", "-c", FIRST_STEP)
+    assert "decompose" in run(bin / "coopenv", "--help")
+    assert run(bin / "coopenv", "--version").startswith("coopenv ")
 
 
 def test_extras_name_what_their_modules_import():

@@ -1,11 +1,12 @@
 """``coopenv study <name>``: runs a study, prints its table, writes figures, tables and data."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.options import POSITIONAL, Common
 from coopenv.physics.scene import Box
 
 from .beam.simulation import BeamConfig
@@ -18,13 +19,6 @@ from .walker import simulations
 if TYPE_CHECKING:
     from rich.console import Console
 
-try:
-    import tyro
-except ImportError:  # then the command line says what is missing
-    POSITIONAL: Any = None
-else:
-    POSITIONAL = tyro.conf.Positional
-
 
 @dataclass(frozen=True, kw_only=True)
 class Beam:
@@ -33,8 +27,13 @@ class Beam:
     simulation: BeamConfig = field(default_factory=BeamConfig)
     out: Path = Path("runs/study_beam")
     """Folder for figures, tables and data."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv study beam --out runs/beam",
+        "coopenv study beam --duration 4 --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Simulate, decompose, check, write."""
         console = _console()
         from .beam.report import write
@@ -46,6 +45,7 @@ class Beam:
             found, files = write(run, self.out)
         _print_claims(console, found, "beam: the claims of section V-C")
         _print_files(console, self.out, files)
+        return _document("beam", found, self.out, files)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +55,13 @@ class WalkerTurn:
     simulation: simulations.WalkerTurn = field(default_factory=simulations.WalkerTurn)
     out: Path = Path("runs/study_walker_turn")
     """Folder for figures, tables and data."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv study walker-turn --out runs/turn",
+        "coopenv study walker-turn --stiffness 60 --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Simulate, decompose, check, write."""
         console = _console()
         from .walker.turn import write
@@ -67,6 +72,7 @@ class WalkerTurn:
             found, files = write(self.simulation, recording, self.out)
         _print_claims(console, found, "walker-turn: the claims of section V-A")
         _print_files(console, self.out, files)
+        return _document("walker-turn", found, self.out, files)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,8 +82,13 @@ class WalkerAvoid:
     simulation: simulations.WalkerAvoid = field(default_factory=simulations.WalkerAvoid)
     out: Path = Path("runs/study_walker_avoid")
     """Folder for figures, tables and data."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv study walker-avoid --out runs/avoid",
+        "coopenv study walker-avoid --obstacle 1.5 --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Simulate, decompose, check, write."""
         console = _console()
         from .walker.avoid import write
@@ -88,6 +99,7 @@ class WalkerAvoid:
             found, files = write(self.simulation, recording, self.out)
         _print_claims(console, found, "walker-avoid: the claims of section V-A")
         _print_files(console, self.out, files)
+        return _document("walker-avoid", found, self.out, files)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,8 +109,13 @@ class Snapshots:
     wrenches: SnapshotsConfig = field(default_factory=SnapshotsConfig)
     out: Path = Path("runs/study_snapshots")
     """Folder for figures and tables."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv study snapshots --out runs/snapshots",
+        "coopenv study snapshots --samples 1000 --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Decompose, check, draw, write."""
         console = _console()
         from .snapshots.report import write
@@ -107,6 +124,7 @@ class Snapshots:
             found, files = write(self.wrenches, self.out)
         _print_claims(console, found, "snapshots: the claims of Figs. 2 to 8 and 17")
         _print_files(console, self.out, files)
+        return _document("snapshots", found, self.out, files)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,8 +147,14 @@ class Dyads:
     simulation: DyadsConfig = field(default_factory=DyadsConfig)
     out: Path = Path("runs/study_dyads")
     """Folder for figures, tables and data."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv study dyads --pairs 4 --trials 3",
+        "coopenv study dyads pair1.csv pair2.csv --layout trials.toml",
+        "coopenv study dyads pair1.csv --platform 2.5 0 1 2 --window 0.6 --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Read or simulate, analyse, write."""
         self._check()
         console = _console()
@@ -155,6 +179,8 @@ class Dyads:
         for note in analysis.notes:
             console.print(f"note: {note}", markup=False, highlight=False)
         _print_files(console, self.out, [*files, *made])
+        document = _document("dyads", found, self.out, [*files, *made])
+        return {**document, **analysis.document()}
 
     def _check(self) -> None:
         for name in ("layout", "platform"):
@@ -202,3 +228,9 @@ def _print_rows(console: "Console", rows: Sequence[dict[str, str]], title: str) 
 
 def _print_files(console: "Console", out: Path, files: Sequence[str]) -> None:
     console.print(f"in {out}: {', '.join(files)}", markup=False, highlight=False)
+
+
+def _document(name: str, found: Sequence[Claim], out: Path, files: Sequence[str]) -> dict[str, Any]:
+    """What a study came to, for programs."""
+    claims = [{**asdict(claim), "holds": claim.holds} for claim in found]
+    return {"study": name, "claims": claims, "folder": out, "files": files}

@@ -1,4 +1,4 @@
-"""Pictures of what is internal and what is not, drawn by the renderer: docs/concepts/.
+"""Pictures of what is internal and what is not, drawn by `coopenv.wrench.plot`: docs/concepts/.
 
 python -m benchmarks.site.concepts
 """
@@ -6,11 +6,14 @@ python -m benchmarks.site.concepts
 import numpy as np
 
 from benchmarks.pages import DOCS
-from coopenv import Scene, Transport
-from coopenv.render import Renderer, save_png
+from coopenv import wrench
+from coopenv.render import save_png
 from coopenv.render.canvas import Picture
 
 FOLDER = DOCS / "concepts"
+SIZE, DPI, MARGIN = (4.4, 3.1), 180, 12  # [in], [1/in], [px]
+GRIPS = ((-0.9, 0.0), (0.9, 0.0))  # [m], object frame
+BEAM = ((-1.0, -0.05), (1.0, -0.05), (1.0, 0.05), (-1.0, 0.05))
 # name -> force and torque of the left and of the right agent, object frame [N, N, N·m]
 CASES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "together": ((6.0, 0.0, 0.0), (6.0, 0.0, 0.0)),
@@ -23,19 +26,19 @@ CASES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 
 
 def picture(name: str) -> Picture:
-    """The beam in a small room while the two of that case push."""
-    wrenches = np.array(CASES[name])
-    core = Transport(scene=Scene(size=(3.0, 2.4)))
-    core.reset(seed=0, pose=(0.0, 0.0, 0.0), goal=(0.0, 0.8, 0.0))
-    wrenches[1, :2] *= -1  # the right agent's own axes point the other way
-    action = wrenches / np.array([10.0, 10.0, 5.0])  # [N, N, N·m] an action of 1 stands for
-    core.step(action[None])
-    assert core.transition is not None
-    renderer = Renderer(core.bodies, core.scenes, mode="rgb_array")
-    drawn = renderer.draw(core.transition)
-    renderer.close()
-    assert drawn is not None
-    return drawn
+    """The split of that case, without the white above and below it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, dpi=DPI)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.01, 0.01, 0.98, 0.88))
+    wrench.plot(CASES[name], GRIPS, regions=False, outline=BEAM, legend=False, ax=axes)
+    axes.set_axis_off()
+    canvas.draw()
+    drawn = np.asarray(canvas.buffer_rgba())[..., :3]
+    rows = np.flatnonzero((drawn < 255).any(axis=(1, 2)))
+    return np.ascontiguousarray(drawn[max(rows[0] - MARGIN, 0) : rows[-1] + MARGIN])
 
 
 def main() -> None:

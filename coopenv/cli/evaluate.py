@@ -2,21 +2,22 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from typing_extensions import Self
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
 from coopenv.arrays import whole
-from coopenv.cli import configfile
 from coopenv.cli.environments import RECORDED, Environment, environments_of
+from coopenv.cli.options import runfile
 from coopenv.cli.policies import find_policy, labels
 from coopenv.config.own_code import Trust
 from coopenv.errors import InvalidInput
 from coopenv.files import require_writable, written
+from coopenv.options import POSITIONAL, Common
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -24,12 +25,6 @@ if TYPE_CHECKING:
     from coopenv.agents.evaluate import Evaluation
     from coopenv.agents.policy import Policy
     from coopenv.logs.formats.chunks import Sink
-try:
-    import tyro
-except ImportError:  # asked for where the command line is read
-    POSITIONAL: Any = None
-else:
-    POSITIONAL = tyro.conf.Positional
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,20 +53,20 @@ class Evaluate:
     """Run what the files hold: alone, behind the policies, all of it, pickles of Stable-Baselines3
     and code of your own; with names of modules, import these for a recorded environment, rewards of
     yours for example, and nothing else."""
-    config: Path | None = None
-    """.toml or .json file with options under environment and evaluation; those that are given
-    win."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv evaluate scripted random --episodes 20",
+        "coopenv evaluate runs/policy.zip scripted --out table.csv",
+        "coopenv evaluate scripted --env coopenv/BeamDoorway-v0 --partner follower --json",
+        "coopenv evaluate scripted random --episodes 20 --record steps.csv",
+    )
 
     @classmethod
     def configured(cls, path: Path, trust: Trust = False) -> Self:
         """The command with the options of a file, which may import the modules that are trusted."""
-        return cls(**configfile.evaluation(path, cls().environment, trust), config=path)
+        return cls(**runfile.evaluation(path, cls().environment, trust))
 
-    def over(self, file: Self) -> Self:
-        """The command, its environment's numbers over those of the command from a file."""
-        return replace(self, environment=self.environment.over_file(file.environment))
-
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Evaluate and print the table."""
         from rich.console import Console
 
@@ -88,6 +83,11 @@ class Evaluate:
         console.print(table(seen, title))
         if self.out is not None:
             save(seen, self.out)
+        return {
+            "environments": {label: place.title(self._trusted) for label, place in places.items()},
+            "policies": seen,
+            "files": [path for path in (self.out, self.record) if path is not None],
+        }
 
     @property
     def _trusted(self) -> Trust:

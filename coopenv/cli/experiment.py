@@ -1,15 +1,13 @@
 """``coopenv experiment``, ``report`` and ``sweep``: grids of runs that run themselves."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
-from datetime import timedelta
 from pathlib import Path
-from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from coopenv.agents.settings import TrainConfig
+from coopenv.cli.progress import bar_over, lines_over
 from coopenv.errors import InvalidInput
+from coopenv.options import POSITIONAL, Common
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,7 +23,7 @@ class RunExperiment:
     fails is told and the others go on.
     """
 
-    file: Path
+    file: Annotated[Path, POSITIONAL]
     """.toml file of the experiment; see docs/experiments.md."""
     out: Path | None = None
     """Folder; the file's out, or runs/NAME-OF-THE-FILE."""
@@ -38,8 +36,14 @@ class RunExperiment:
     """Project of Weights & Biases that the curves go to."""
     dry_run: bool = False
     """Check the file and say what it comes to; run and write nothing."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv experiment rewards.toml --dry-run",
+        "coopenv experiment rewards.toml --workers 2",
+        "coopenv experiment rewards.toml --tune 20 --out runs/tuned",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Check, run, report."""
         from dataclasses import replace
 
@@ -52,7 +56,7 @@ class RunExperiment:
             experiment = replace(experiment, out=self.out)
         if self.wandb is not None:
             experiment = replace(experiment, wandb=self.wandb)
-        _conduct(experiment, search, self, Console())
+        return _conduct(experiment, search, self, Console())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,9 +66,9 @@ class Sweep:
     Goes on after an interruption or a kill, as coopenv experiment does.
     """
 
-    term: str
+    term: Annotated[str, POSITIONAL]
     """Term of the reward, or the name of one that is added to it: wasted_cost, internal_force."""
-    values: tuple[float, ...]
+    values: Annotated[tuple[float, ...], POSITIONAL]
     """Its weights."""
     training: TrainConfig = field(default_factory=lambda: TrainConfig(out=Path("runs/sweep")))
     seeds: int = 5
@@ -77,8 +81,13 @@ class Sweep:
     """Project of Weights & Biases that the curves go to."""
     dry_run: bool = False
     """Say what it comes to; run and write nothing."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv sweep wasted_cost 0 0.1 0.3 1 --seeds 3",
+        "coopenv sweep internal_force 0 0.01 --env coopenv/BeamDoorway-v0 --dry-run --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Run, report."""
         from rich.console import Console
 
@@ -92,17 +101,22 @@ class Sweep:
             episodes=self.episodes,
             wandb=self.wandb,
         )
-        _conduct(experiment, None, self, Console())
+        return _conduct(experiment, None, self, Console())
 
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
     """Write the report of an experiment again, of what is finished of it."""
 
-    folder: Path
+    folder: Annotated[Path, POSITIONAL]
     """Of the experiment or sweep."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv report runs/rewards",
+        "coopenv report runs/sweep --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Read what is there, write the report, print its first table."""
         from rich.console import Console
 
@@ -118,6 +132,7 @@ class Report:
         console = Console()
         _print_table(results, console)
         _print_files(self.folder, files, console)
+        return _document(results, self.folder, files)
 
 
 def _conduct(
@@ -125,18 +140,19 @@ def _conduct(
     search: "Search | None",
     command: RunExperiment | Sweep,
     console: "Console",
-) -> None:
+) -> dict[str, Any]:
     from coopenv.agents.experiments import check, conduct
     from coopenv.agents.experiments.tracking import found
 
     tune = command.tune if isinstance(command, RunExperiment) else 0
     cells = check(experiment, search=search, tune=tune, workers=command.workers)
     if command.dry_run:
-        _print_plan(experiment, len(cells), console)
-        return
+        plan = _plan(experiment, len(cells))
+        _print_plan(plan, console)
+        return plan
     if experiment.wandb is not None:
         found()  # told before the first cell
-    progress = _progress if console.is_terminal else _lines
+    progress = bar_over if console.is_terminal else lines_over
     try:
         with progress(console) as show:
             outcome = conduct(
@@ -150,6 +166,7 @@ def _conduct(
         _print_table(outcome.results, console)
         _print_files(experiment.out, outcome.files, console)
     _raise_failures(outcome, experiment.out)
+    return _document(outcome.results, experiment.out, outcome.files)
 
 
 def _raise_failures(outcome: "Outcome", out: Path) -> None:
@@ -164,20 +181,48 @@ def _raise_failures(outcome: "Outcome", out: Path) -> None:
     )
 
 
-def _print_plan(experiment: "Experiment", cells: int, console: "Console") -> None:
-    for axis, levels in experiment.levels().items():
-        labels = ", ".join(level.label for level in levels)
-        console.print(f"{axis} ({len(levels)}): {labels}", markup=False, highlight=False)
-    seeds = len(experiment.seeds)
-    console.print(f"seeds ({seeds}): {', '.join(map(str, experiment.seeds))}", highlight=False)
-    steps = sum(cell.training.steps for cell in experiment.cells() if cell.learns)
+def _plan(experiment: "Experiment", cells: int) -> dict[str, Any]:
+    """What an experiment comes to."""
+    levels = experiment.levels().items()
+    return {
+        "axes": {axis: [level.label for level in each] for axis, each in levels},
+        "seeds": experiment.seeds,
+        "cells": cells,
+        "steps": sum(cell.training.steps for cell in experiment.cells() if cell.learns),
+        "episodes": experiment.episodes,
+        "folder": experiment.out,
+    }
+
+
+def _print_plan(plan: dict[str, Any], console: "Console") -> None:
+    for axis, labels in (*plan["axes"].items(), ("seeds", [*map(str, plan["seeds"])])):
+        console.print(f"{axis} ({len(labels)}): {', '.join(labels)}", markup=False, highlight=False)
     console.print(
-        f"{cells:,} cells, {steps:,} control steps of training, {experiment.episodes} held-out "
-        f"episodes each, in {experiment.out}; nothing was run",
+        f"{plan['cells']:,} cells, {plan['steps']:,} control steps of training, "
+        f"{plan['episodes']} held-out episodes each, in {plan['folder']}; nothing was run",
         markup=False,
         highlight=False,
         soft_wrap=True,
     )
+
+
+def _document(results: "Results", folder: Path, files: list[str]) -> dict[str, Any]:
+    """Interquartile means of each setting with their intervals, for programs."""
+    from coopenv.agents.experiments.report import estimates_of
+
+    runs = results.by_setting()
+    settings = [
+        {"setting": results.title(setting), "runs": len(runs[setting]), "measures": measures}
+        for setting, measures in estimates_of(results).items()
+    ]
+    return {
+        "name": results.name,
+        "settings": settings,
+        "waiting": results.waiting,
+        "failed": results.failed,
+        "folder": folder,
+        "files": files,
+    }
 
 
 def _print_table(results: "Results", console: "Console") -> None:
@@ -199,57 +244,3 @@ def _print_table(results: "Results", console: "Console") -> None:
 
 def _print_files(out: Path, files: list[str], console: "Console") -> None:
     console.print(f"in {out}: {', '.join(files)}", markup=False, highlight=False)
-
-
-@contextmanager
-def _progress(console: "Console") -> Iterator[Callable[..., None]]:
-    """A bar over the control steps of all cells, with the time that is left."""
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    columns: tuple[Any, ...] = (
-        TextColumn("{task.fields[cells]} of {task.fields[of]} cells"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    bar = Progress(*columns, console=console, speed_estimate_period=600.0)
-    with bar:
-        task = bar.add_task("", total=None, cells=0, of="?")
-        plan: list[float] = []
-
-        def show(*, done: float, total: float, cells: int, of: int) -> None:
-            if plan != [total]:
-                plan[:] = [total]
-                bar.reset(task, total=total)
-            bar.update(task, completed=done, total=total, cells=cells, of=of)
-
-        yield show
-
-
-@contextmanager
-def _lines(console: "Console") -> Iterator[Callable[..., None]]:
-    """A line whenever a cell has finished, with the time that is left: for a file of a log."""
-    begun, told = monotonic(), [-1]
-
-    def show(*, done: float, total: float, cells: int, of: int) -> None:
-        if told == [cells]:
-            return
-        told[:] = [cells]
-        passed = monotonic() - begun
-        left = f", {_duration(passed * (total - done) / done)} left" if 0 < done < total else ""
-        console.print(f"{cells} of {of} cells{left}", highlight=False)
-
-    yield show
-
-
-def _duration(seconds: float) -> str:
-    """As hours, minutes and seconds."""
-    return str(timedelta(seconds=round(seconds)))

@@ -1,17 +1,19 @@
 """The program ``coopenv``: its commands, reading of their options, exit codes.
 
-A command is a dataclass whose fields are its options and whose ``run`` does it; `COMMANDS` lists
-them. What needs an extra is imported when it runs.
+A command is a dataclass whose fields are its options and whose ``run`` does it and returns what
+came of it; `COMMANDS` lists them. What needs an extra is imported when it runs.
 """
 
 import sys
 from collections.abc import Sequence
-from typing import Protocol
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 from coopenv.cli import terminal, version
-from coopenv.cli.arguments import PROGRAM, read
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.experiment import Report, RunExperiment, Sweep
+from coopenv.cli.options.reading import PROGRAM, completion, read
 from coopenv.cli.replay import Replay
 from coopenv.cli.show import Show
 from coopenv.cli.signals import TERMINATED, Termination, interrupted_by_termination
@@ -19,9 +21,10 @@ from coopenv.cli.study import Study
 from coopenv.cli.train import Train
 from coopenv.cli.warmup import Warmup
 from coopenv.errors import CoopenvError
-from coopenv.files import file_trouble, nothing_left
+from coopenv.files import document, file_trouble, nothing_left
 from coopenv.logs.command import Decompose
 from coopenv.logs.inspected.command import Inspect
+from coopenv.options import POSITIONAL
 
 INTERRUPTED = 130  # exit code
 
@@ -29,23 +32,47 @@ INTERRUPTED = 130  # exit code
 class Command(Protocol):
     """What the command line can run."""
 
-    def run(self) -> None:
-        """Do it, printing for people and writing files for programs."""
+    def run(self) -> Any:
+        """Do it, printing for people and writing files; what came of it, for ``--json``."""
         ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Completion:
+    """Print the script by which a shell completes commands, options and their choices."""
+
+    shell: Annotated[Literal["bash", "zsh", "fish"], POSITIONAL]
+    """Which shell."""
+    examples: ClassVar[tuple[str, ...]] = (
+        'eval "$(coopenv completion bash)"',
+        "coopenv completion zsh > ~/.zfunc/_coopenv",
+        "coopenv completion fish > ~/.config/fish/completions/coopenv.fish",
+    )
+
+    def run(self) -> None:
+        """Print it."""
+        print(completion(self.shell, COMMANDS), end="")
 
 
 COMMANDS: dict[str, type[Command]] = {
     "train": Train,
     "evaluate": Evaluate,
-    "decompose": Decompose,
-    "inspect": Inspect,
-    "show": Show,
-    "replay": Replay,
-    "study": Study,
     "experiment": RunExperiment,
     "sweep": Sweep,
     "report": Report,
+    "show": Show,
+    "replay": Replay,
+    "study": Study,
+    "decompose": Decompose,
+    "inspect": Inspect,
     "warmup": Warmup,
+    "completion": Completion,
+}
+GROUPS: dict[str, tuple[str, ...]] = {  # in the help of the program
+    "learn": ("train", "evaluate", "experiment", "sweep", "report"),
+    "look": ("show", "replay", "study"),
+    "recordings": ("decompose", "inspect"),
+    "machine": ("warmup", "completion"),
 }
 
 
@@ -113,9 +140,17 @@ def _named(error: Exception, told: Termination) -> str:
 
 def _run(arguments: Sequence[str]) -> None:
     if arguments[:1] in (["--version"], ["-V"]):
-        print(version.report())
-    else:
-        read(arguments, COMMANDS).run()
+        in_json = "--json" in arguments
+        print(document(version.versions()) if in_json else version.report())
+        return
+    command = read(arguments, COMMANDS, GROUPS)
+    common = getattr(command, "common", None)
+    if common is None or not common.json:
+        command.run()
+        return
+    with redirect_stdout(sys.stderr):
+        found = command.run()
+    print(document(found))
 
 
 def _failed(why: str) -> int:

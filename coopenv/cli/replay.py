@@ -1,10 +1,10 @@
 """``coopenv replay``: a policy's episode, or a recorded trial, as a film beside its time series."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
@@ -12,18 +12,15 @@ from coopenv.arrays import positive, whole
 from coopenv.cli import trial
 from coopenv.cli.environments import RECORDED, environments_of
 from coopenv.cli.policies import find_policy
+from coopenv.cli.trial import Shown
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import require_file, require_writable
+from coopenv.options import POSITIONAL, Common
 
 if TYPE_CHECKING:
     from coopenv.render.film import Frames
     from coopenv.render.replay import Pace
-try:
-    import tyro
-except ImportError:  # asked for where the command line is read
-    POSITIONAL: Any = None
-else:
-    POSITIONAL = tyro.conf.Positional
+    from coopenv.transition import Transition
 
 RATES = 1.0, 240.0  # [1/s] of pictures
 MOST_WORLDS = 64  # of a mosaic
@@ -34,16 +31,11 @@ OF_RECORDINGS = ("trial", "start", "end", "layout", "map", *OF_LAYOUTS, "bad_row
 
 @dataclass(frozen=True, kw_only=True)
 class Replay:
-    """Film a held-out episode of a policy, or a recorded trial, with γ, F_I, T_I and load shares.
-
-    coopenv replay scripted --env coopenv/BeamDoorway-v0 --partner follower
-    coopenv replay runs/policy.zip --out episode.mp4
-    coopenv replay trial.csv --grips -0.9 0 0.9 0 --speed 0.5
-    """
+    """Film a held-out episode of a policy, or a recorded trial, with γ, F_I, T_I and shares."""
 
     what: Annotated[str, POSITIONAL]
     """A policy as coopenv evaluate takes it (scripted, random, policy.zip), or the file of a
-    recording in the plane as coopenv decompose reads it."""
+    recording, in the plane or in space, as coopenv decompose reads it."""
     environment: EnvironmentChoice = field(default_factory=lambda: EnvironmentChoice(env=RECORDED))
     seed: int = 0
     """Of a policy: number of the evaluation; see coopenv.agents.seeds."""
@@ -66,7 +58,8 @@ class Replay:
     """Of a recording: columns that are called otherwise, such as f1x=Fx_left; time= leaves one
     out."""
     grips: tuple[float, ...] | None = None
-    """Of a recording: x y of the first effector, then of the second; object frame [m]."""
+    """Of a recording: x y (in space x y z) of the first effector, then of the second; object frame
+    [m]."""
     space: str | None = None
     """Of a recording: plane leaves out what points out of it."""
     sample_rate: float | None = None
@@ -82,7 +75,15 @@ class Replay:
     out: Path | None = None
     """Film, .gif or .mp4; replay.gif, or trial.replay.gif beside trial.csv by default."""
 
-    def run(self) -> None:
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv replay scripted --env coopenv/BeamDoorway-v0 --partner follower",
+        "coopenv replay runs/policy.zip --episode 3 --out episode.mp4",
+        "coopenv replay scripted --mosaic 9 --width 240",
+        "coopenv replay trial.csv --grips -0.9 0 0.9 0 --speed 0.5 --start 2 --end 8",
+    )
+
+    def run(self) -> dict[str, Any]:
         """Run or read, draw, write."""
         try:
             from rich.console import Console
@@ -99,11 +100,12 @@ class Replay:
         require_writable(out)
         whole(self.width, "width", at_least=LEAST, at_most=MOST)
         pace = self._pace(out)
-        frames, said = self._of_policy(pace) if of_policy else self._of_recording(pace)
+        frames, shown = self._of_policy(pace) if of_policy else self._of_recording(pace)
         with _progress() as report:
             save_film(out, frames, fps=pace.fps, report=report)
-        for line in (*said, f"wrote {out}, {len(frames)} pictures, {pace.fps:g} a second"):
+        for line in (*shown.lines, f"wrote {out}, {len(frames)} pictures, {pace.fps:g} a second"):
             console.print(line, markup=False, highlight=False, soft_wrap=True)
+        return {"shown": shown.document, "film": out, "pictures": len(frames), "fps": pace.fps}
 
     def _is_of_policy(self) -> bool:
         """Whether a policy is named; raise where options are of the other kind."""
@@ -149,7 +151,7 @@ class Replay:
             )
         return Pace(gif_rate(fps), speed)
 
-    def _of_policy(self, pace: "Pace") -> tuple["Frames", list[str]]:
+    def _of_policy(self, pace: "Pace") -> tuple["Frames", Shown]:
         """An episode, or several in a mosaic."""
         from rich.console import Console
 
@@ -162,7 +164,7 @@ class Replay:
         evaluation_seeds(self.seed, first + count - 1)
         places, notes = environments_of({self.what: self.what}, self.environment, self.trust)
         place = places[self.what]
-        errors = Console(stderr=True)
+        title, errors = place.title(self.trust), Console(stderr=True)
         for note in notes:
             errors.print(note, markup=False, soft_wrap=True)
         policy = find_policy(self.what, place.config, trust=self.trust)
@@ -171,17 +173,12 @@ class Replay:
                 episode_steps(policy, place.config, seed=self.seed, episode=first + k)
                 for k in range(count)
             ]
-        said = [f"{self.what} in {place.title(self.trust)}"]
-        for k, steps in enumerate(episodes):
-            last = steps[-1]
-            how = "success" if last.success[0] else "no success"
-            when = f"{how} after {last.next_state.time[0]:.2f} s, {len(steps) - 1} steps"
-            said.append(f"episode {first + k} of evaluation {self.seed}: {when}")
+        shown = _shown_episodes(episodes, first, self.seed, f"{self.what} in {title}")
         if count > 1:
-            return film_of_episodes(episodes, pace=pace, width=self.width), said
-        return film_of_episode(episodes[0], pace=pace, width=self.width), said
+            return film_of_episodes(episodes, pace=pace, width=self.width), shown
+        return film_of_episode(episodes[0], pace=pace, width=self.width), shown
 
-    def _of_recording(self, pace: "Pace") -> tuple["Frames", list[str]]:
+    def _of_recording(self, pace: "Pace") -> tuple["Frames", Shown]:
         """A trial of a recording."""
         from coopenv.logs.layout import Layout, parse_mapping
 
@@ -192,6 +189,22 @@ class Replay:
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         chosen = trial.Part(number=self.trial, start=self.start, end=self.end)
         return trial.film(file, layout, chosen, pace, bad_rows=self.bad_rows, width=self.width)
+
+
+def _shown_episodes(
+    episodes: "Sequence[Sequence[Transition]]", first: int, seed: int, title: str
+) -> Shown:
+    """How each ended, in words and for programs."""
+    said, rows = [title], []
+    for number, steps in enumerate(episodes, first):
+        last = steps[-1]
+        success, seconds = bool(last.success[0]), float(last.next_state.time[0])
+        how = "success" if success else "no success"
+        when = f"{how} after {seconds:.2f} s, {len(steps) - 1} steps"
+        said.append(f"episode {number} of evaluation {seed}: {when}")
+        ending = {"success": success, "seconds": seconds, "steps": len(steps) - 1}
+        rows.append({"episode": number, **ending})
+    return Shown(said, {"policy": title, "seed": seed, "episodes": rows})
 
 
 @contextmanager

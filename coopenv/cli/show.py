@@ -1,42 +1,25 @@
 """``coopenv show``: the split of one wrench, as a picture and as a table."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from coopenv.arrays import FloatArray, number, whole
+from coopenv.cli.split import judge, split_table
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.files import require_writable, written
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from coopenv.wrench import Decomposition
-try:
-    import tyro
-except ImportError:  # asked for where the command line is read
-    POSITIONAL: Any = None
-else:
-    POSITIONAL = tyro.conf.Positional
+from coopenv.options import POSITIONAL, Common
 
 SUFFIXES = (".png", ".svg", ".pdf")
 DPI = 150  # of PNG
 WIDEST = 400  # letters that a table may need, however narrow the terminal
-COMPONENTS = {
-    3: ("fx [N]", "fy [N]", "tz [N·m]"),
-    6: ("fx [N]", "fy [N]", "fz [N]", "tx [N·m]", "ty [N·m]", "tz [N·m]"),
-}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Show:
-    """Draw the split of one wrench, and print it: of given numbers, or of a row of a recording.
-
-    coopenv show --grips -0.9 0 0.9 0 --applied 3 0 0 -1 0 0
-    coopenv show trial.csv --row 120
-    """
+    """Draw the split of one wrench, and print it: of given numbers, or of a row of a recording."""
 
     file: Annotated[Path | None, POSITIONAL] = None
     """Recording, read as coopenv decompose reads it."""
@@ -65,7 +48,14 @@ class Show:
     out: Path | None = None
     """Picture, .png, .svg or .pdf; split.png, or trial.row120.png beside trial.csv by default."""
 
-    def run(self) -> None:
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv show --grips -0.9 0 0.9 0 --applied 3 0 0 -1 0 0",
+        "coopenv show trial.csv --row 120 --out split.pdf",
+        "coopenv show trial.csv --at 2.5 --method moore_penrose --json",
+    )
+
+    def run(self) -> dict[str, Any]:
         """Split, print, draw."""
         try:
             import matplotlib  # noqa: F401  - before anything is computed
@@ -107,11 +97,13 @@ class Show:
         needed = console.measure(table, options=console.options.update(max_width=WIDEST)).maximum
         console.width = max(console.width, needed)  # all of each number
         console.print(table)
-        for line in self._said(split, internal):
+        judged = judge(split, internal, **weights)
+        for line in judged.lines():
             console.print(line, markup=False, highlight=False, soft_wrap=True)
         with written(out) as part:
             axes.figure.savefig(part, format=out.suffix[1:].lower(), dpi=DPI)
         console.print(f"wrote {out}", markup=False, highlight=False, soft_wrap=True)
+        return {**judged.document(), "where": where or None, "picture": out}
 
     def _given(self) -> tuple[FloatArray, FloatArray, str]:
         """Applied wrench, grips, and which row they are of."""
@@ -159,47 +151,6 @@ class Show:
         if self.file is None:
             return Path("split.png")
         return self.file.with_name(f"{self.file.stem}.{where.replace(' ', '')}.png")
-
-    def _said(self, split: "Decomposition", internal: FloatArray) -> list[str]:
-        """Costs, shares, and whether the split is plausible."""
-        from coopenv.wrench import cost, is_plausible, residuals
-
-        kept = is_plausible(split.applied, internal, split.grips)
-        left = residuals(split.applied, internal, split.grips)
-        weights = {"torque_weight": self.torque_weight, "include_induced": self.include_induced}
-        after = float(cost(split.applied - internal, split.grips, **weights))
-        share = split.load_share
-        return [
-            f"J(h) = {split.applied_cost:.4g} N, J(h_M) = {after:.4g} N (w = "
-            f"{self.torque_weight:g}, s = {int(self.include_induced)})",
-            f"load share: force {_numbers(share.force)}, torque {_numbers(share.torque)}",
-            f"{'plausible and balanced' if kept else 'NOT plausible'}: off balance by "
-            f"{left.balance:.1e} N or N·m, beyond eqs. 9-11 by {left.force:.1e} N, "
-            f"{left.induced_torque:.1e} and {left.torque:.1e} N·m",
-        ]
-
-
-def split_table(applied: FloatArray, internal: FloatArray, title: str) -> "Table":
-    """Applied, manipulation and internal wrench of each effector, as a rich table."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD, show_edge=False)
-    table.add_column("effector", justify="right")
-    table.add_column("wrench")
-    for name in COMPONENTS[applied.shape[1]]:
-        table.add_column(Text(name), justify="right")
-    parts = (("applied", applied), ("manipulation", applied - internal), ("internal", internal))
-    for i in range(len(applied)):
-        for name, wrench in parts:
-            cells = [f"{value + 0.0:.4g}" for value in np.round(wrench[i], 12)]
-            table.add_row(str(i + 1) if name == "applied" else "", name, *cells)
-    return table
-
-
-def _numbers(values: FloatArray) -> str:
-    return "/".join("undefined" if np.isnan(each) else f"{each + 0.0:.3g}" for each in values)
 
 
 def _shaped(values: tuple[float, ...], name: str, shape: tuple[int, ...]) -> FloatArray:

@@ -2,22 +2,23 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from typing_extensions import Self
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import TrainConfig
 from coopenv.arrays import whole
-from coopenv.cli import configfile
 from coopenv.cli.environments import Environment
+from coopenv.cli.options import runfile
 from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust
 from coopenv.errors import MissingExtra
 from coopenv.files import locked, require_folder
+from coopenv.options import Common
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -39,32 +40,31 @@ class Train:
     """Held-out episodes of the comparison."""
     gif: bool = True
     """Draw an episode of the trained policy."""
-    config: Path | None = None
-    """.toml or .json file with options, such as config.json of a run; those that are given win."""
     trust: bool = False
     """Import the module that the file of options names before its id (module:id), and run what the
     file of a partner holds."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv train --steps 300000 --out runs/first",
+        "coopenv train --env coopenv/BeamDoorway-v0 --reward harmony --partner population",
+        "coopenv train --config runs/first/config.json --seed 1 --out runs/second",
+    )
 
     @classmethod
     def configured(cls, path: Path, trust: Trust = False) -> Self:
         """The command with the options of a file, which may import the modules that are trusted."""
-        return cls(**configfile.training(path, trust), config=path)
-
-    def over(self, file: Self) -> Self:
-        """The command, its environment's numbers over those of the command from a file."""
-        environment = self.training.environment.over_file(file.training.environment)
-        return replace(self, training=replace(self.training, environment=environment))
+        return cls(**runfile.training(path, trust))
 
     def __post_init__(self) -> None:
         evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Train, evaluate, draw, while nobody else does in the same folder."""
         require_folder(self.training.out)
         with locked(self.training.out):
-            self._run()
+            return self._run()
 
-    def _run(self) -> None:
+    def _run(self) -> dict[str, Any]:
         from rich.console import Console
 
         from coopenv.agents.partners import trusting
@@ -79,14 +79,16 @@ class Train:
             trained = train(self.training, environment=config, report=report, tell=tell)
         try:
             with torch_threads(self.training.threads):
-                self._evaluate(trained, config, console)
+                return self._evaluate(trained, config, console)
         except KeyboardInterrupt as stop:
             raise KeyboardInterrupt(
                 f"interrupted; the trained policy is {self.training.out / 'policy.zip'}, and the "
                 "same command goes straight to its evaluation"
             ) from stop
 
-    def _evaluate(self, trained: "Policy", config: TransportConfig, console: "Console") -> None:
+    def _evaluate(
+        self, trained: "Policy", config: TransportConfig, console: "Console"
+    ) -> dict[str, Any]:
         """Compare with other policies, draw an episode, say what was written."""
         from coopenv.agents.controllers import RandomPolicy, find_controller
         from coopenv.agents.evaluate import compare, save, table
@@ -103,12 +105,11 @@ class Train:
             save(seen, out / name)
         title = Environment(self.training.environment.env, config).title()
         console.print(table(seen, f"{title}, {self.episodes} episodes"))
-        pictures = ["curves.png"]
+        files = ["policy.zip", "config.json", "table.csv", "curves.png"]
         if self.gif:
-            pictures += _draw_episode(trained, config, out / "episode.gif", console)
-        console.print(
-            f"in {out}: policy.zip, config.json, table.csv, {', '.join(pictures)}", markup=False
-        )
+            files += _draw_episode(trained, config, out / "episode.gif", console)
+        console.print(f"in {out}: {', '.join(files)}", markup=False)
+        return {"environment": title, "policies": seen, "folder": out, "files": files}
 
 
 @contextmanager

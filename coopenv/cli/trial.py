@@ -2,20 +2,29 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from coopenv.arrays import FloatArray, number, whole
+from coopenv.arrays import BoolArray, FloatArray, number, whole
 from coopenv.errors import InvalidInput
 
 if TYPE_CHECKING:
     from coopenv.logs import Analysis, Layout, Recording
     from coopenv.render.film import Frames
     from coopenv.render.replay import Measures, Pace
+    from coopenv.render.space import SpaceStage
+    from coopenv.render.stage import Stage
 
 LEVELS = ("relative_cost", "internal_force_level", "internal_torque_level")
 SHARES = ("force_load_share", "torque_load_share")
+
+
+class Shown(NamedTuple):
+    """What a film shows, in words and for programs."""
+
+    lines: list[str]
+    document: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,44 +38,37 @@ class Part:
 
 def film(
     file: Path, layout: "Layout", part: Part, pace: "Pace", *, bad_rows: str, width: int
-) -> tuple["Frames", list[str]]:
+) -> tuple["Frames", Shown]:
     """The pictures, and what there is to say of them.
 
     Raises
     ------
     InvalidInput
-        If the file cannot be read, is of a motion in space, has no times or not that trial, or none
-        of its rows lies in the part.
+        If the file cannot be read, has no times or not that trial, or none of its rows lies in the
+        part.
     """
     from coopenv.logs import Recording, analyse
     from coopenv.logs.recording import Reader
     from coopenv.render.replay import film_of_recording
-    from coopenv.render.stage import Stage
 
     reader = Reader(file, layout, bad_rows=bad_rows)
-    _require_drawable(file, reader.plan.dimension, "time" in reader.plan.source)
+    _require_times(file, "time" in reader.plan.source)
     recording = Recording.joined(list(reader))
     trials = int(recording.trial[-1]) + 1
     chosen = _part(file, recording, part, trials)
     analysis = analyse(chosen)
-    pose, where = _pose(chosen)
     time = chosen.time
     assert time is not None
-    internal = _internal(analysis, chosen.num_effectors)
-    stage = Stage(pose, chosen.grips, chosen.applied, internal, width=width)
+    stage, where = _stage(chosen, _internal(analysis, chosen), width)
     frames = film_of_recording(time, stage, _measures(analysis, chosen.num_effectors), pace=pace)
-    said = [f"trial {part.number} of {trials}, {time[-1] - time[0]:.2f} s, {len(time)} rows{where}"]
-    return frames, [*reader.notes, *said]
+    seconds, rows = float(time[-1] - time[0]), len(time)
+    said = f"trial {part.number} of {trials}, {seconds:.2f} s, {rows} rows{where}"
+    trial = {"trial": part.number, "trials": trials, "seconds": seconds, "rows": rows}
+    shown = {"recording": file, **trial, "notes": reader.notes}
+    return frames, Shown([*reader.notes, said], shown)
 
 
-def _require_drawable(file: Path, dimension: int, has_times: bool) -> None:
-    """Raise unless the file is of a motion in the plane, with times."""
-    if dimension != 2:
-        raise InvalidInput(
-            f"file must be a recording in the plane, got {str(file)!r}, which is in space; say "
-            "--space plane to leave out what points out of it, or draw single rows with "
-            "coopenv show"
-        )
+def _require_times(file: Path, has_times: bool) -> None:
     if not has_times:
         raise InvalidInput(
             f"file must have a column of time, got none in {str(file)!r}; say --sample-rate, or "
@@ -95,25 +97,39 @@ def _part(file: Path, recording: "Recording", part: Part, trials: int) -> "Recor
     return recording.take(rows)
 
 
-def _pose(recording: "Recording") -> tuple[FloatArray, str]:
-    """x, y, θ ``(T, 3)``; what is not recorded is 0, which is said."""
+def _stage(
+    recording: "Recording", internal: FloatArray, width: int
+) -> tuple["Stage | SpaceStage", str]:
+    """Where it is drawn; what of the pose is not recorded is 0, which is said."""
+    from coopenv.logs.convert import rotations
+    from coopenv.render.space import SpaceStage
+    from coopenv.render.stage import Stage
+
+    rows, dimension = len(recording), recording.grips.shape[-1]
+    names = ["x, y", "theta"] if dimension == 2 else ["x, y, z", "qw, qx, qy, qz"]
     position, angle = recording.position, recording.orientation
-    missing = [] if position is not None else ["x, y"]
-    missing += [] if angle is not None else ["theta"]
-    rows = len(recording)
-    position = np.zeros((rows, 2)) if position is None else position
-    angle = np.zeros(rows) if angle is None else angle
-    said = f"; without {' and '.join(missing)}, which are drawn as 0" if missing else ""
-    return np.column_stack([position, angle]), said
+    missing = [names[0]] * (position is None) + [names[1]] * (angle is None)
+    how = "are drawn as 0" if dimension == 2 else "are drawn as if it neither moved nor turned"
+    said = f"; without {' and '.join(missing)}, which {how}" if missing else ""
+    position = np.zeros((rows, dimension)) if position is None else position
+    wrenches = recording.grips, recording.applied, internal
+    if dimension == 2:
+        angle = np.zeros(rows) if angle is None else angle
+        return Stage(np.column_stack([position, angle]), *wrenches, width=width), said
+    turned = np.zeros((rows, 3, 3)) + np.eye(3)
+    if angle is not None:
+        lost: BoolArray = np.asarray(~np.isfinite(angle).all(axis=1))
+        turned = np.where(lost[:, None, None], np.nan, rotations(angle, ~lost))
+    return SpaceStage(position, turned, *wrenches, width=width), said
 
 
-def _internal(analysis: "Analysis", num_effectors: int) -> FloatArray:
-    """``(T, n, 3)`` [N, N·m]."""
+def _internal(analysis: "Analysis", recording: "Recording") -> FloatArray:
+    """``(T, n, 3)``, in space ``(T, n, 6)`` [N, N·m]."""
     from coopenv.logs.columns import wrench_names
 
-    names = wrench_names(num_effectors, 2)
+    names = wrench_names(recording.num_effectors, recording.grips.shape[-1])
     columns = [np.asarray(analysis[f"internal_{name}"], dtype=np.float64) for name in names]
-    return np.stack(columns, axis=-1).reshape(-1, num_effectors, 3)
+    return np.stack(columns, axis=-1).reshape(recording.applied.shape)
 
 
 def _measures(analysis: "Analysis", num_effectors: int) -> "Measures":

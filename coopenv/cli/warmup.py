@@ -1,6 +1,9 @@
 """``coopenv warmup``: compile everything ahead of time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from coopenv.options import Common
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -11,7 +14,13 @@ class Warmup:
     folder.
     """
 
-    def run(self) -> None:
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv warmup",
+        "NUMBA_CACHE_DIR=/opt/kernels coopenv warmup --json",
+    )
+
+    def run(self) -> dict[str, Any]:
         """Compile, showing what, and say where it is kept."""
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
@@ -25,6 +34,8 @@ class Warmup:
             def show(number: int, total: int, name: str) -> None:
                 progress.update(bar, completed=number, total=total, description=name)
 
-            kernels, seconds, cache = warmup(show)
+            warmed = warmup(show)
+        kernels, seconds, cache = warmed
         place = "kept nowhere, since no folder can be written" if cache is None else f"in {cache}"
         print(f"{kernels} functions compiled in {seconds:.0f} s of processor time; {place}")
+        return warmed._asdict()

@@ -2,18 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from coopenv.errors import MissingExtra
-
-try:
-    import tyro
-
-    ALONE = tyro.conf.FlagCreatePairsOff  # a flag that a layout may also hold: none undoes it
-except ImportError:  # asked for where the command line is read
-    ALONE = "a flag"
+from coopenv.options import ALONE, POSITIONAL, Common
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -27,7 +21,7 @@ class Decompose:
     also .csv.gz, .mat, .h5, .mcap, .db3, .bag and .c3d; docs/recordings.md lists them all.
     """
 
-    file: Path
+    file: Annotated[Path, POSITIONAL]
     """Of the recording."""
     out: Path | None = None
     """Of the table, .csv, .npz or .parquet; trial.decomposed.csv beside trial.csv by default."""
@@ -126,8 +120,15 @@ class Decompose:
     max_block_bytes: int | None = None
     """The most that can only be read at once, an array in Fortran order or a row group; 1 GiB by
     default."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv decompose trial.csv",
+        "coopenv decompose trial.csv --grips -0.9 0 0.9 0 --frame world --torque N*mm",
+        "coopenv decompose trial.h5 --layout trial.toml --out trial.parquet --json",
+        "coopenv decompose trial.csv --check",
+    )
 
-    def run(self) -> None:
+    def run(self) -> Any:
         """Decompose, write, print."""
         try:
             from rich.console import Console
@@ -154,7 +155,7 @@ class Decompose:
                 )
             for line in checked.lines():
                 console.print(line, markup=False, highlight=False)
-            return
+            return checked
         settings = Settings(
             method=self.method,
             solver=self.solver,
@@ -177,6 +178,7 @@ class Decompose:
         files = (summary.table, summary.picture, summary.written)
         names = ", ".join(legible(each) for each in files if each is not None)
         console.print(f"wrote {names}", markup=False, highlight=False, soft_wrap=True)
+        return summary
 
 
 @contextmanager

@@ -1,14 +1,15 @@
 """Summary of a decomposed recording: what was assumed, means, percentiles, residuals, bad rows."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import MissingExtra
+from coopenv.files import plain
 from coopenv.logs.analysis import Analysis, Worst
 from coopenv.logs.consistency import Consistency
 from coopenv.logs.consistency.told import motion_lines
@@ -119,20 +120,8 @@ class Summary:
 
     def save(self, path: Path) -> None:
         """Write it as JSON; what is undefined is null."""
-        content = {**asdict(self), "worst": self.worst._asdict()}
-        content["consistency"]["fit"] = self.consistency.fit._asdict()
-        path.write_text(json.dumps(_plain(content), indent=2, ensure_ascii=False), "utf-8")
-
-
-def _plain(value: Any) -> Any:
-    """With null for NaN, and text for paths."""
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return legible(value) if isinstance(value, Path) else value
+        content = plain(self, path=legible)
+        path.write_text(json.dumps(content, indent=2, ensure_ascii=False), "utf-8")
 
 
 class Collector:

@@ -11,6 +11,7 @@ from coopenv.render.canvas import Picture
 from coopenv.render.film import PAUSE, Frames, beside, mosaic, rows_at
 from coopenv.render.renderer import Renderer
 from coopenv.render.series import Series, measure_panels
+from coopenv.render.space import SpaceStage
 from coopenv.render.stage import Stage
 from coopenv.transition import Transition
 
@@ -91,7 +92,7 @@ def film_of_episodes(
 
 def film_of_recording(
     time: FloatArray,
-    stage: Stage,
+    stage: Stage | SpaceStage,
     measures: Measures,
     *,
     pace: Pace = LIFE,

@@ -13,8 +13,8 @@ pytest.importorskip("stable_baselines3")
 from coopenv import Actuators, TransportConfig, cli
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
-from coopenv.cli.arguments import read
 from coopenv.cli.environments import environments_of
+from coopenv.cli.options.reading import read
 
 RUN = """
 steps = 1000

@@ -87,13 +87,24 @@ def test_what_a_recording_lacks_of_its_pose_is_said(tmp_path, capsys):
     assert "4 rows; without x, y and theta, which are drawn as 0" in said
 
 
-def test_a_recording_in_space_is_refused_until_it_is_said_to_be_planar(tmp_path, capsys):
-    path = cases.save(cases.spatial(rows=2), tmp_path / "space.csv")
-    assert run(path, "--width", 160) == 1
-    assert "--space plane" in capsys.readouterr().err
-    assert [entry.name for entry in tmp_path.iterdir()] == ["space.csv"]
+def test_a_recording_in_space_is_a_film_too_and_in_the_plane_if_that_is_said(tmp_path, capsys):
+    path = cases.save(cases.spatial(rows=3, num_effectors=3), tmp_path / "space.csv")
+    assert run(path, "--width", 160) == 0
+    assert "trial 1 of 1, 0.02 s, 3 rows\n" in capsys.readouterr().out
+    assert seen(path.with_name("space.replay.gif"))[1][0] == 160 + 136
     assert run(path, "--width", 160, "--space", "plane", "--map", "vx=", "vy=") == 0
     assert "without theta" in capsys.readouterr().out
+
+
+def test_what_a_recording_in_space_lacks_of_its_pose_is_said(tmp_path, capsys):
+    columns = cases.spatial(rows=4)
+    for name in [name for name in columns if name[0] in "qvo" or name in "xyz"]:
+        del columns[name]
+    columns["f1x"][1] = np.nan
+    path = cases.save(columns, tmp_path / "felt.csv")
+    assert run(path, "--width", 160, "--bad-rows", "skip") == 0
+    said = capsys.readouterr().out
+    assert "without x, y, z and qw, qx, qy, qz, which are drawn as if it neither moved" in said
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,11 @@ import inspect
 import re
 from importlib import import_module
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
-from benchmarks.site import badges, environments, rewards
+from benchmarks.site import badges, environments, results, rewards
 from tests.docs.links import broken
 from tests.docs.snippets import ROOT
 
@@ -46,6 +47,30 @@ def test_the_page_of_an_environment_is_what_the_code_says():
 
 def test_the_tables_of_rewards_are_what_the_code_says():
     assert rewards.PAGE.read_text(encoding="utf-8") == rewards.page()
+
+
+def test_the_page_of_results_is_what_the_other_pages_say():
+    assert results.PAGE.read_text(encoding="utf-8") == results.page(), (
+        "python -m benchmarks.site.results --write"
+    )
+
+
+def test_links_out_of_the_site_are_whole_and_safe():
+    """Whether they lead somewhere is for `make links`, which needs the net."""
+    found = [
+        (str(page.relative_to(ROOT)), link)
+        for page in [*PAGES, *ON_TOP]
+        for link in re.findall(r"\]\((\w+:[^)\s]+)\)|<(https?:[^>\s]+)>", page.read_text("utf-8"))
+        for link in filter(None, link)
+    ]
+    assert len(found) > 30
+    wrong = [
+        (page, link)
+        for page, link in found
+        if urlsplit(link).scheme not in ("https", "mailto")
+        or (link.startswith("https") and "." not in urlsplit(link).netloc)
+    ]
+    assert not wrong
 
 
 def test_badges_say_what_the_project_says():

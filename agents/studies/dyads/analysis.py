@@ -6,6 +6,7 @@ guide; and how do they share force and torque while the beam turns, by guide.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -49,6 +50,19 @@ class DyadAnalysis:
     num_pairs: int
     num_trials: int
     notes: tuple[str, ...]  # what was left out, and why
+
+    def document(self) -> dict[str, Any]:
+        """Numbers of tables and effects, for programs."""
+        return {
+            "source": self.source,
+            "num_pairs": self.num_pairs,
+            "num_trials": self.num_trials,
+            "internal_torque": self.internal_torque.to_dict("records"),
+            "quadrants": self.quadrants.to_dict("records"),
+            "torque_effects": self.torque_effects,
+            "dominance_effects": self.dominance_effects,
+            "notes": self.notes,
+        }
 
 
 def analyse(

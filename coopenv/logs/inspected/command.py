@@ -1,10 +1,12 @@
 """Command line of ``coopenv inspect``: what is in recorded files, and a layout to begin with."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
 from coopenv.errors import InvalidInput, MissingExtra
+from coopenv.options import POSITIONAL, Common
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,14 +17,20 @@ class Inspect:
     nothing is assumed of it; --write makes a layout for coopenv decompose of it, to be corrected.
     """
 
-    files: tuple[Path, ...]
+    files: Annotated[tuple[Path, ...], POSITIONAL]
     """Of one trial, the recording first, then those of other devices."""
     write: Path | None = None
     """A layout to begin with, .toml."""
     layout: Path | None = None
     """How texts are written (skip_lines, encoding and so on), .toml or .json."""
+    common: Common = field(default_factory=Common)
+    examples: ClassVar[tuple[str, ...]] = (
+        "coopenv inspect trial.csv",
+        "coopenv inspect robot.csv sensor.h5 --write trial.toml",
+        "coopenv inspect trial.mcap --json",
+    )
 
-    def run(self) -> None:
+    def run(self) -> dict[str, Any]:
         """Print it."""
         try:
             from rich.console import Console
@@ -53,6 +61,7 @@ class Inspect:
             with written(self.write) as part:
                 part.write_text(first_layout(contents), encoding="utf-8")
             console.print(f"wrote {self.write}", markup=False, highlight=False, soft_wrap=True)
+        return {"files": [*documents(contents)], "written": self.write}
 
 
 def described(contents: Sequence) -> Iterator[str]:
@@ -73,6 +82,15 @@ def described(contents: Sequence) -> Iterator[str]:
             is_time = each.clock is not None and seen.name == each.clock.column
             could = "time" if is_time else _could(found.get(seen.name))
             yield f"  {shown(seen.name):{width}}  {_ranged(seen)}{f'  {could}' if could else ''}"
+
+
+def documents(contents: Sequence) -> Iterator[dict[str, Any]]:
+    """The same for programs: of each file its contents, and what each column could be."""
+    from coopenv.logs.inspected.guesses import guesses
+
+    for each, found in zip(contents, guesses(contents), strict=True):
+        columns = [{**asdict(seen), "could_be": found.get(seen.name)} for seen in each.columns]
+        yield {**asdict(each), "columns": columns}
 
 
 def _ticking(clock) -> str:

@@ -1,4 +1,4 @@
-"""Files of options, ``--config``: TOML or JSON in the form of a run's ``config.json``.
+"""Files of ``coopenv train`` and ``evaluate``: in the form of a run's ``config.json``.
 
 On top are the options of ``coopenv train``, under ``environment`` those that say which environment
 it is, under ``evaluation`` the options of ``coopenv evaluate``. Both commands take the same file;
@@ -6,28 +6,27 @@ what is given on the command line wins.
 """
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from coopenv.agents.differences import differences
-from coopenv.agents.overrides import GROUPS, entries_of
 from coopenv.agents.provenance import Provenance, versions
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
+from coopenv.cli.options.content import (
+    PLACES,
+    TRAINING,
+    checked,
+    content_of,
+    environment,
+    environment_table,
+    without_fresh,
+)
 from coopenv.config.own_code import Trust
-from coopenv.envs.registry import require_trusted
-from coopenv.errors import CoopenvError, InvalidInput, UnknownName
-from coopenv.files import reading, toml
+from coopenv.errors import CoopenvError, InvalidInput
 
-ENVIRONMENT = tuple(entry.name for entry in fields(EnvironmentChoice))
-TRAINING = tuple(entry.name for entry in fields(TrainConfig))
 COMPARISON = ("episodes", "gif")  # of coopenv train, beside the training's own
 EVALUATION = ("episodes", "seed", "num_worlds", "out")
-PLACES = {
-    **dict.fromkeys(TRAINING, "put it on top of the file, before the first [table]"),
-    **dict.fromkeys(ENVIRONMENT, "put it under [environment]"),
-}
 
 
 def load(path: Path, trust: Trust = False) -> dict[str, Any]:
@@ -50,17 +49,12 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     UnknownName
         If a name is not an option.
     """
-    if path.suffix not in (".toml", ".json"):
-        raise InvalidInput(f"config must be a .toml or .json file, got {str(path)!r}; rename it")
-    with reading(path):
-        text = path.read_text(encoding="utf-8-sig")  # editors of some systems begin with a mark
-        content = toml.loads(text) if path.suffix == ".toml" else json.loads(text)
     top = (*TRAINING, *COMPARISON, "evaluation")
-    noted, content = _parted(content)
-    content = _without_fresh(_checked(content, f"option in {path}", top), path)
-    for name, known in (("environment", ENVIRONMENT), ("evaluation", EVALUATION)):
-        content[name] = _checked(content.get(name, {}), f"option in {path}, {name}", known)
-    require_trusted(_plain(content["environment"].get("env", ""), "env"), trust, str(path))
+    noted, content = _parted(content_of(path))
+    content = without_fresh(checked(content, f"option in {path}", top, PLACES), path)
+    what = f"option in {path}, evaluation"
+    content["evaluation"] = checked(content.get("evaluation", {}), what, EVALUATION, PLACES)
+    content["environment"] = environment_table(content.get("environment", {}), path, trust)
     if noted is not None:
         _check_recorded(noted, content, path)
     return content
@@ -90,15 +84,6 @@ def evaluation(path: Path, start: EnvironmentChoice, trust: Trust = False) -> di
     return {"environment": environment(content["environment"], start), **values}
 
 
-def environment(given: Mapping[str, Any], start: EnvironmentChoice) -> EnvironmentChoice:
-    """What a file says of the environment, over ``start``."""
-    values = {
-        name: entries_of(value, name) if name in GROUPS else _plain(value, name)
-        for name, value in given.items()
-    }
-    return replace(start, **values)
-
-
 def _parted(content: Any) -> tuple[Any, Any]:
     """What a run notes beside its options, None if there is nothing; and the options.
 
@@ -108,20 +93,6 @@ def _parted(content: Any) -> tuple[Any, Any]:
         return None, content
     options = {name: content[name] for name in content if name not in (*NOTED, *UNSAVED)}
     return content, options
-
-
-def _without_fresh(content: Mapping[str, Any], path: Path) -> dict[str, Any]:
-    """The options; raise if they would remove a run whenever the file is used.
-
-    ``false`` is what runs of before wrote, and removes nothing.
-    """
-    for name in UNSAVED:
-        if content.get(name, False) is not False:
-            raise InvalidInput(
-                f"{name} must be given on the command line, got {content[name]!r} in {path}, which "
-                f"would remove a run each time; take it out of the file and give --{name}"
-            )
-    return {name: value for name, value in content.items() if name not in UNSAVED}
 
 
 def _check_recorded(noted: Mapping[str, Any], content: Mapping[str, Any], path: Path) -> None:
@@ -167,24 +138,6 @@ def _require_readable(provenance: Provenance, path: Path) -> None:
             f"provenance.environment cannot be read ({error}); copy the file again, or take "
             "provenance out of it if its options name the environment"
         ) from error
-
-
-def _checked(content: Any, what: str, known: Iterable[str]) -> dict[str, Any]:
-    if not isinstance(content, dict):
-        raise InvalidInput(f"{what} must be a name with a value, got {content!r}; write a table")
-    names = {name: name.replace("-", "_") for name in content}
-    for name in names.values():
-        if name not in known:
-            raise UnknownName(what, name, known, PLACES)
-    return {names[name]: value for name, value in content.items()}
-
-
-def _plain(value: Any, name: str) -> Any:
-    if name == "observe" and isinstance(value, list):
-        return tuple(value)
-    if name == "env" and not isinstance(value, str):
-        raise InvalidInput(f"env must be an id, got {value!r}; coopenv/BeamTransport-v0 is one")
-    return value
 
 
 def _path(value: Any) -> Path:
