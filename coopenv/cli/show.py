@@ -97,7 +97,9 @@ class Show:
             )
         own = None if self.internal is None else _shaped(self.internal, "internal", applied.shape)
         weights = {"torque_weight": self.torque_weight, "include_induced": self.include_induced}
-        chosen = {"decomposition": split} if own is None else {"internal": own, **weights}
+        chosen: dict[str, Any] = {"decomposition": split}
+        if own is not None:
+            chosen = {"internal": own, **weights}
         axes = plot(applied, grips, regions=self.regions, **chosen)
         if where:
             axes.set_title(f"{where}, {axes.get_title()}", fontsize=10, parse_math=False)

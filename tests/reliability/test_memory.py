@@ -188,5 +188,6 @@ def test_steps_of_a_view_leave_nothing_behind(view, steps):
     viewed = view(name)
     warm_up = max(1000 // viewed.per_call, 4 * find_config(name, {}).horizon)  # all end
     grown = growth(viewed.step, warm_up=warm_up, times=max(steps // viewed.per_call, 50))
-    # Contacts of pymunk take memory for as many as there ever were at once.
-    check_flat(grown, fewer_than=50, c_bytes=300_000)
+    # Contacts of pymunk take memory for as many as there ever were at once; torch keeps a hundred
+    # weak references, as many after 400 calls as after 5,000.
+    check_flat(grown, fewer_than=200 if view is Tensors else 50, c_bytes=300_000)
