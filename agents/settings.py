@@ -20,7 +20,8 @@ from . import partners
 from .overrides import GROUPS, changed, entries_of
 from .seeds import BLOCK, training_seeds
 
-MOST = {  # beyond, a network's numbers overflow or worlds share seeds
+MOST = {  # beyond, numbers overflow, worlds share seeds, or no training comes to its end
+    "steps": 10**12,
     "num_worlds": BLOCK // 2,
     "threads": 1024,
     "learning_rate": 1.0,

@@ -26,7 +26,7 @@ class Show:
     row: int | None = None
     """Of the recording; the first is 1."""
     at: float | None = None
-    """Time of the recording instead [s]: the nearest good row."""
+    """Time of the recording instead [s], within it: the nearest good row."""
     applied: tuple[float, ...] | None = None
     """fx fy tz of the first effector, then of the second; in space fx fy fz tx ty tz [N, N·m]."""
     grips: tuple[float, ...] | None = None
@@ -87,8 +87,10 @@ class Show:
             )
         own = None if self.internal is None else _shaped(self.internal, "internal", applied.shape)
         weights = {"torque_weight": self.torque_weight, "include_induced": self.include_induced}
-        chosen: dict[str, Any] = {"decomposition": split} if own is None else {"internal": own}
-        axes = plot(applied, grips, regions=self.regions, **chosen, **weights)
+        chosen: dict[str, Any] = {"decomposition": split}
+        if own is not None:
+            chosen = {"internal": own, **weights}
+        axes = plot(applied, grips, regions=self.regions, **chosen)
         if where:
             axes.set_title(f"{where}, {axes.get_title()}", fontsize=10, parse_math=False)
         console = Console()
@@ -187,12 +189,15 @@ def _nearest(file: Path, layout: Any, time: float) -> int:
     from coopenv.logs.recording import Reader
 
     best, found, before = np.inf, 0, 0
+    first, last = np.inf, -np.inf
     for recording in Reader(file, layout, bad_rows="skip"):
         if recording.time is None:
             raise InvalidInput(
                 f"at must be left out for a file without times, got {time:g}; give --row instead"
             )
         apart = np.where(recording.good, np.abs(recording.time - time), np.inf)
+        good = recording.time[recording.good]
+        first, last = good.min(initial=first), good.max(initial=last)
         place = int(apart.argmin())
         if apart[place] < best:
             best, found = float(apart[place]), before + place + 1
@@ -200,5 +205,10 @@ def _nearest(file: Path, layout: Any, time: float) -> int:
     if not found:
         raise InvalidInput(
             f"file must have rows that can be used, got none in {file}; coopenv decompose says why"
+        )
+    if not first <= time <= last:
+        raise InvalidInput(
+            f"at must be from {first:.10g} to {last:.10g} s, the first and the last good row of "
+            f"{file}, got {time:.10g}; times are in seconds, as the recording counts them"
         )
     return found

@@ -90,11 +90,11 @@ class Shard:
         memory.rooms[:, :2] = self._origin
         memory.rooms[:, 2:] = np.array([scene.size for scene in scenes]) / 2 + WALL_THICKNESS
         for scene, origin in zip(scenes, self._origin, strict=True):
-            self._build(scene.walls(), origin, scene.friction)
-        self._obstacles = [
-            self._build([box.vertices for box in scene.obstacles], origin, scene.friction)
-            for scene, origin in zip(scenes, self._origin, strict=True)
-        ]
+            self._build(scene.walls(), origin, scene.friction, [])
+        self._obstacles: list[list[pymunk.Poly]] = [[] for _ in scenes]
+        for scene, origin, built in zip(scenes, self._origin, self._obstacles, strict=True):
+            self._build([box.vertices for box in scene.obstacles], origin, scene.friction, built)
+        self._torn: set[int] = set()  # worlds that a call began to furnish, and broke off
         self._ids = np.zeros(len(bodies), dtype=np.int64)
         self._made = list(bodies)  # what the bodies in the space were made from
         self._shapes: list[pymunk.Poly] = []
@@ -111,24 +111,25 @@ class Shard:
 
     def furnish(self, worlds: IntArray, bodies: Sequence[Body], scenes: Sequence[Scene]) -> None:
         """As `World.furnish`; here as below, worlds are counted within the shard."""
+        chosen = worlds.tolist()
+        torn = self._torn.intersection(chosen)
+        self._torn.update(chosen)  # should this break off
         moves = [
             j
-            for j, k in enumerate(worlds.tolist())
-            if not _moves_alike((bodies[j], scenes[j]), (self._bodies[k], self._scenes[k]))
+            for j, k in enumerate(chosen)
+            if k in torn
+            or not _moves_alike((bodies[j], scenes[j]), (self._bodies[k], self._scenes[k]))
         ]
         if moves:
             others = [bodies[j] for j in moves], [scenes[j] for j in moves]
             self._table[worlds[moves]] = _table(*others, self._substep)
-        for k, body, scene in zip(worlds.tolist(), bodies, scenes, strict=True):
-            self._bodies[k] = body
-            if scene is self._scenes[k] or scene == self._scenes[k]:
-                continue
-            self._scenes[k] = scene
-            for obstacle in self._obstacles[k]:
-                self.space.remove(obstacle)
-                obstacle.body = None  # else the static body keeps it for good
-            boxes = [box.vertices for box in scene.obstacles]
-            self._obstacles[k] = self._build(boxes, self._origin[k], scene.friction)
+        for k, body, scene in zip(chosen, bodies, scenes, strict=True):
+            before, self._bodies[k], self._scenes[k] = self._scenes[k], body, scene
+            if k in torn or not (scene is before or scene == before):
+                self._clear(k)
+                boxes = [box.vertices for box in scene.obstacles]
+                self._build(boxes, self._origin[k], scene.friction, self._obstacles[k])
+        self._torn.difference_update(chosen)
 
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put the bodies of ``worlds`` at ``pose``, at rest and untouched."""
@@ -172,17 +173,28 @@ class Shard:
         """
         return self._memory.expected[:, CONTACT : CONTACT + 3]
 
+    def _clear(self, k: int) -> None:
+        """Take the obstacles of world ``k`` out of the space, also where a call broke off."""
+        while self._obstacles[k]:
+            obstacle = self._obstacles[k][-1]
+            if obstacle.space is not None:
+                self.space.remove(obstacle)
+            obstacle.body = None  # else the static body keeps it for good
+            self._obstacles[k].pop()
+
     def _build(
-        self, solids: Sequence[FloatArray], origin: FloatArray, friction: float
-    ) -> list[pymunk.Poly]:
-        """Put solids into the space where nothing moves them."""
-        built = []
+        self,
+        solids: Sequence[FloatArray],
+        origin: FloatArray,
+        friction: float,
+        built: list[pymunk.Poly],
+    ) -> None:
+        """Put solids into the space where nothing moves them; each is noted before it is there."""
         for solid in solids:
             shape = pymunk.Poly(self.space.static_body, (solid + origin).tolist())
             shape.friction = friction
-            self.space.add(shape)
             built.append(shape)
-        return built
+            self.space.add(shape)
 
     def _add(self, k: int, x: float, y: float, angle: float) -> None:
         """Make the body of world ``k``; noted before it is in the space, should that break off."""

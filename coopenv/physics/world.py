@@ -152,7 +152,8 @@ class World:
         Only bodies that touched something in the last step, in which pymunk would remember that,
         or that are others now, are made ``anew``; or all, if that step broke off.
         """
-        if not (has_items(self.bodies, worlds, bodies) and has_items(self.scenes, worlds, scenes)):
+        same = has_items(self.bodies, worlds, bodies) and has_items(self.scenes, worlds, scenes)
+        if anew or not same:
             self.furnish(worlds, bodies, scenes)
             anew = True
         touched = (self.contact_impulse[worlds] != 0) | (self.contact_shift[worlds] != 0) | anew

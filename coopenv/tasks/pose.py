@@ -1,6 +1,6 @@
 """Goal poses: the distance to one, success at one, and random free ones; tasks share these."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from math import cos, pi, sin
 
@@ -67,12 +67,14 @@ def free_pose(
     scene: Scene,
     low: Sequence[float],
     high: Sequence[float],
+    tries: Iterator[int] | None = None,
 ) -> Pose | None:
     """A random pose in which the body lies between two corners (x, y) [m] and off all obstacles.
 
-    Uniform in the angle, then in the place; ``None`` where ten thousand tries found none.
+    Uniform in the angle, then in the place; ``None`` where ten thousand tries found none, or when
+    ``tries``, which several calls may share, come to their end.
     """
-    for _ in range(_TRIES):
+    for _ in range(_TRIES) if tries is None else tries:
         across, up, turn = generator.random(3).tolist()
         angle = pi * (1 - 2 * turn)
         c, s = cos(angle), sin(angle)

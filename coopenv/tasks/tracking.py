@@ -22,7 +22,8 @@ from coopenv.tasks.sight import ahead_in_agent_frames, twist_in_agent_frames
 from coopenv.transition import Transition
 
 KINDS = ("minimum_jerk", "rotate", "rotate_translate", "translate")
-_TRIES = 200
+_TRIES = 200  # references
+_LOOKS = 30_000  # at starts of theirs, in all: where hardly one is free, each takes thousands
 _TRIES_A_SEGMENT = 20
 _STRIDE = 0.1  # [m] that no point of the body moves farther between two poses looked at
 _LEAST = 0.25  # of the longest way and the widest turn that a segment may have
@@ -190,8 +191,9 @@ class TrackingTask(PoseTask):
         kinds = _kinds(self.reference, self.segments)
         x, y = (side / 2 - self.clearance for side in scene.size)
         scene = _grown(scene, self.clearance)
+        looks = iter(range(_LOOKS))
         for _ in range(_TRIES):
-            start = free_pose(generator, body, scene, (-x, -y), (x, y))
+            start = free_pose(generator, body, scene, (-x, -y), (x, y), looks)
             if start is None:
                 break
             points = [start]

@@ -11,7 +11,7 @@ from coopenv import rewards
 from coopenv.agents.partners import PARTNERS
 from coopenv.config.environment import ACTIONS
 from coopenv.envs.registry import PREFIX, find_config
-from coopenv.observation import BLOCKS
+from coopenv.observation import BLOCKS, Sensor
 from coopenv.physics.actuators import Actuators
 from coopenv.physics.body import Body
 from coopenv.physics.scene import Scene
@@ -55,6 +55,7 @@ VARIANTS: dict[str, Mapping[str, Any]] = {
     "ground friction": {"body": Body.beam(ground_friction=0.2)},
     "a team of three": {"body": Body.plate(3)},
     "surroundings": {"decomposition": Settings(surroundings=True)},
+    "a sensor": {"observe": (Sensor("goal", noise=0.01, bias=0.01, delay=1),), "informed": (0,)},
     "ranges": {
         "randomise": Ranges(
             mass=(3.0, 8.0),

@@ -131,6 +131,8 @@ def test_what_makes_no_sense_is_one_line_and_leaves_nothing(arguments, message, 
         (("--row", 0), "row must be a whole number of at least 1"),
         (("--row", 4), "row must be one that can be used, got 4"),
         (("--row", 1, "--applied", 1, 2, 3), "applied must be left out beside a file"),
+        (("--at", 99), "at must be from 0 to 0.04 s, the first and the last good row"),
+        (("--at", -0.001), "got -0.001; times are in seconds"),
     ],
 )
 def test_rows_that_are_not_there_are_refused(options, message, trial, capsys):

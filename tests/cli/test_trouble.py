@@ -96,6 +96,7 @@ def test_a_disk_that_fills_during_the_work_is_told(tmp_path, monkeypatch, capsys
         ("--episodes=10000000", "at most 1048576 worlds"),
         ("--num-worlds=0", "num_worlds must be a whole number of at least 1, got 0"),
         ("--num-worlds=10000000", "num_worlds must be at most"),
+        (f"--steps={10**40}", "steps must be at most 1,000,000,000,000"),
         ("--seed=-1", "seed must be a whole number of at least 0"),
         ("--seed=100000000000000000000", "seed must be below 2048"),
         ("--hidden=0", "hidden must be a whole number of at least 1"),

@@ -4,6 +4,7 @@ import os
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count as count_from
 from typing import Any
 
 import gymnasium
@@ -14,8 +15,10 @@ import pytest
 from coopenv import Body, Scene, Transport, wrench
 from coopenv.arrays import FloatArray
 from coopenv.compiled.parallel import shared
+from coopenv.envs.registry import find_config
 from coopenv.errors import BodyLost, CoreInUse, InvalidInput, ResetNeeded
 from coopenv.logs import Layout, decompose_file
+from coopenv.physics.shard import Shard, Space
 from coopenv.physics.world import SHARD_SIZE, World
 from tests.helpers import IDS
 from tests.logs import cases
@@ -197,6 +200,46 @@ def test_after_a_call_that_broke_off_no_episode_goes_on(monkeypatch):
             core.step(actions(2)[0])
         core.reset(seed=0)
         np.testing.assert_array_equal(ride(core), ride(started(2)))
+
+
+@pytest.mark.parametrize("moment", ["_clear", "_build", "after"])
+def test_obstacles_are_whole_again_after_a_reset_that_broke_off_among_them(moment, monkeypatch):
+    keywords = {"horizon": 30}
+    core, fresh = (Transport(num_worlds=3, config=find_config(IDS[1], keywords)) for _ in range(2))
+    core.reset(seed=7)
+    count = len(core.world.spaces[0].shapes)
+    kept = core.get_state()
+    with monkeypatch.context() as patched:
+        if moment == "after":  # in the second world, of which one obstacle is there
+            patched.setattr(Space, "add", interrupted_at(2, Space.add))
+        else:
+            patched.setattr(Shard, moment, interrupted_at(2, getattr(Shard, moment)))
+        with pytest.raises(KeyboardInterrupt):
+            core.reset(seed=0)
+    core.reset(seed=0)
+    fresh.reset(seed=0)
+    assert len(core.world.spaces[0].shapes) == count
+    np.testing.assert_array_equal(ride(core, 30), ride(fresh, 30))
+    with monkeypatch.context() as patched:
+        patched.setattr(Shard, "_build", interrupted_at(1, Shard._build))
+        with pytest.raises(KeyboardInterrupt):
+            core.set_state(kept)
+    core.set_state(kept)
+    fresh.set_state(kept)
+    assert len(core.world.spaces[0].shapes) == count
+    np.testing.assert_array_equal(ride(core, 30), ride(fresh, 30))
+
+
+def interrupted_at(number: int, method: Any) -> Any:
+    """The method, of which a call breaks off: the ``number``-th, counted from 0."""
+    calls = count_from(0)
+
+    def interrupting(*arguments: Any) -> Any:
+        if next(calls) == number:
+            raise KeyboardInterrupt
+        return method(*arguments)
+
+    return interrupting
 
 
 def interrupted(*_: Any) -> None:

@@ -19,12 +19,16 @@ COUNT = 600  # worlds; in three shards, of which one is smaller
 )
 def test_one_thread_and_many_give_the_same_bits(view, action):
     config = find_config(view, {"action": action, "horizon": 7})
-    one, many = (Transport(num_worlds=COUNT, config=config, threads=n) for n in (1, 3))
-    assert_same(one.reset(seed=0), many.reset(seed=0))
+    one, two, many = (Transport(num_worlds=COUNT, config=config, threads=n) for n in (1, 2, 3))
+    first = one.reset(seed=0)
+    for other in (two, many):
+        assert_same(first, other.reset(seed=0))
     for given in actions(0, 10, *one.action_shape):
         assert one.transition is not None
         again = one.transition.truncated | one.transition.terminated
-        assert_same(one.step(given, restart=again), many.step(given, restart=again))
+        step = one.step(given, restart=again)
+        for other in (two, many):
+            assert_same(step, other.step(given, restart=again))
 
 
 def test_a_batch_that_is_too_small_to_gain_is_stepped_by_one_thread():

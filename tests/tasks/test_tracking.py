@@ -209,3 +209,23 @@ def test_a_reference_is_drawn_as_ever_from_its_seed(task, scene, end, left):
     assert episode.start == pytest.approx((1.1589045986459432, 1.6961914725197662, -0.0962933396))
     assert episode.plan[-3:] == pytest.approx(end, rel=1e-12)
     assert generator.random() == left  # so many numbers were drawn
+
+
+class Counting:
+    """A generator of random numbers that counts how often starts are drawn."""
+
+    def __init__(self):
+        self.generator, self.starts = np.random.default_rng(0), 0
+
+    def random(self, count):
+        self.starts += count == 3
+        return self.generator.random(count)
+
+
+def test_a_room_that_is_nearly_full_is_refused_before_long():
+    walls = tuple(Box(center=(0, side * 1.71), size=(6, 3)) for side in (-1, 1))
+    scene, generator = Scene(size=(6.0, 6.0), obstacles=walls), Counting()
+    assert scene.is_free(0.0, 0.0)
+    with pytest.raises(InvalidInput, match=r"task\.reference must fit into the room"):
+        TrackingTask().sample(generator, Body(), scene)  # pyright: ignore[reportArgumentType]
+    assert 10_000 < generator.starts <= 30_000

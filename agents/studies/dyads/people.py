@@ -171,4 +171,5 @@ class Pairs:
 
 def _towards(transition: Transition, goal: FloatArray) -> Transition:
     """The same, as if the goal were this one."""
-    return replace(transition, next_state=replace(transition.next_state, goal=goal))
+    own = np.ascontiguousarray(goal)  # as everybody's goal is, for which kernels are compiled
+    return replace(transition, next_state=replace(transition.next_state, goal=own))

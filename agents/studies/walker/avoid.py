@@ -48,8 +48,9 @@ def equalities(recording: Recording) -> IntArray:
     """Steps from which the resultant force has the other sign: there both forces were equal."""
     resultant = recording.applied[..., 0].sum(axis=1)
     opposed = recording.applied[:, 0, 0] * recording.applied[:, 1, 0] < 0
-    turned = resultant[1:] * resultant[:-1] < 0
-    return np.flatnonzero(turned & opposed[1:]) + 1
+    signed = np.where(resultant != 0, np.arange(len(resultant)), 0)
+    sign = np.sign(resultant)[np.maximum.accumulate(signed)]  # of the last that had one
+    return np.flatnonzero((sign[1:] * sign[:-1] < 0) & opposed[1:]) + 1
 
 
 def _setup(walk: Walk, simulation: WalkerAvoid) -> list[Claim]:

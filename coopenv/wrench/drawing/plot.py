@@ -13,6 +13,7 @@ from coopenv.wrench.drawing.scene import ROUNDING, Scene
 from coopenv.wrench.grasp import checked_applied, checked_grips, moment
 from coopenv.wrench.measures import cost
 from coopenv.wrench.plausibility import checked_split
+from coopenv.wrench.settings import Settings
 
 SIZE = (6.4, 4.8)  # [in]
 LARGEST = 1e100  # [m, N, N·m] beyond, squares are no numbers
@@ -26,8 +27,8 @@ def plot(
     internal: npt.ArrayLike | None = None,
     decomposition: Decomposition | None = None,
     method: str = "optimal",
-    torque_weight: float = 0.5,
-    include_induced: bool = False,
+    torque_weight: float | None = None,
+    include_induced: bool | None = None,
     regions: bool = True,
     outline: npt.ArrayLike | None = None,
     title: str | None = None,
@@ -55,7 +56,8 @@ def plot(
     decomposition
         One made before of ``applied`` and ``grips``, instead of ``method``.
     method, torque_weight, include_induced
-        As of `decompose`; the last two weigh the relative cost in the title too.
+        As of `decompose`; the last two weigh the relative cost in the title too, and are those of
+        ``decomposition`` where that is given. Defaults are those of `Settings`.
     regions
         Whether to show where plausible answers lie.
     outline
@@ -80,14 +82,9 @@ def plot(
         If Matplotlib is not installed: extra ``plot``.
     """
     places, given = _one_sample(applied, grips)
-    settings = {
-        "method": method,
-        "torque_weight": torque_weight,
-        "include_induced": include_induced,
-    }
-    split, name = _split(given, places, internal, decomposition, settings)
-    scene = Scene(given, given - split, split, places, _corners(outline, places))
     weights = _weights(decomposition, torque_weight, include_induced)
+    split, name = _split(given, places, internal, decomposition, method, weights)
+    scene = Scene(given, given - split, split, places, _corners(outline, places))
     axes = _axes(ax, scene.dimension)
     module = plane if scene.dimension == 2 else space
     module.draw(axes, scene, show_regions=regions)
@@ -124,10 +121,11 @@ def _split(
     grips: FloatArray,
     internal: npt.ArrayLike | None,
     decomposition: Decomposition | None,
-    settings: dict[str, Any],
+    method: str,
+    weights: dict[str, Any],
 ) -> tuple[FloatArray, str]:
     """The internal wrench that is shown, and whose it is."""
-    if (internal is not None) + (decomposition is not None) + (settings["method"] != "optimal") > 1:
+    if (internal is not None) + (decomposition is not None) + (method != "optimal") > 1:
         raise InvalidInput(
             "only one of internal, decomposition and method must be given, got several; leave out "
             "all but the one that says how the wrench is split"
@@ -142,7 +140,7 @@ def _split(
         _require_drawable("internal", own)
         return own, "own split"
     if decomposition is None:
-        return decompose(applied, grips, **settings).internal, settings["method"]
+        return decompose(applied, grips, method=method, **weights).internal, method
     if not isinstance(decomposition, Decomposition):
         raise InvalidInput(
             f"decomposition must be what decompose returned, got {type(decomposition).__name__}; "
@@ -174,12 +172,23 @@ def _corners(outline: npt.ArrayLike | None, grips: FloatArray) -> FloatArray | N
 
 
 def _weights(
-    decomposition: Decomposition | None, torque_weight: float, include_induced: bool
+    decomposition: Decomposition | None, torque_weight: float | None, include_induced: bool | None
 ) -> dict[str, Any]:
-    if decomposition is not None:
-        torque_weight = decomposition.settings.torque_weight
-        include_induced = decomposition.settings.include_induced
-    return {"torque_weight": torque_weight, "include_induced": include_induced}
+    """Weights of the cost: those that are given, else the decomposition's, which they must equal.
+
+    Without one, else those of `Settings`.
+    """
+    given = isinstance(decomposition, Decomposition)
+    own = decomposition.settings if given else Settings()
+    weights = {"torque_weight": own.torque_weight, "include_induced": own.include_induced}
+    for name, value in (("torque_weight", torque_weight), ("include_induced", include_induced)):
+        if given and value not in (None, weights[name]):
+            raise InvalidInput(
+                f"{name} must be left out beside a decomposition, which has {weights[name]!r}, got "
+                f"{value!r}; decompose with it, or leave out the decomposition"
+            )
+        weights[name] = weights[name] if value is None else value
+    return weights
 
 
 def _axes(ax: Any, dimension: int) -> Any:

@@ -67,7 +67,14 @@ def test_the_forces_are_equal_where_the_resultant_turns_round(avoided):
 
 @pytest.mark.parametrize(
     ("resultant", "turned"),
-    [((2, -1, -1, 3), [1, 3]), ((2, 0, 1, 2), []), ((2, 1, 3, 2), []), ((-1, 0, -1, 2), [3])],
+    [
+        ((2, -1, -1, 3), [1, 3]),
+        ((2, 0, 1, 2), []),
+        ((2, 1, 3, 2), []),
+        ((-1, 0, -1, 2), [3]),
+        ((2, 0, -1, -1), [2]),  # equal to the last bit in a sample
+        ((0, 0, -1, 2), [3]),
+    ],
 )
 def test_forces_are_equal_where_the_resultant_passes_zero_and_not_where_it_touches_it(
     resultant, turned, avoided

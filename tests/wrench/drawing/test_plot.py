@@ -141,6 +141,16 @@ def test_a_decomposition_made_before_is_drawn_with_its_own_weights():
     axes = wrench.plot(applied, BEAM, decomposition=split)
     assert f"γ = {float(split.relative_cost):.3g}" in axes.get_title()
     assert f"F_I = {float(split.internal_force_level):.3g} N" in axes.get_title()
+    again = wrench.plot(applied, BEAM, decomposition=split, torque_weight=0.1)
+    assert again.get_title() == axes.get_title()
+
+
+@pytest.mark.parametrize("weight", [{"torque_weight": 0.5}, {"include_induced": True}])
+def test_other_weights_beside_a_decomposition_are_refused(weight):
+    split = wrench.decompose(FIGHT, BEAM, torque_weight=0.1)
+    (name,) = weight
+    with pytest.raises(InvalidInput, match=f"{name} must be left out beside a decomposition"):
+        wrench.plot(FIGHT, BEAM, decomposition=split, **weight)
 
 
 def test_the_legend_names_what_is_drawn_and_nothing_else():

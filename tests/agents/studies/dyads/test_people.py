@@ -13,6 +13,7 @@ pytest.importorskip("pandas")
 import pandas as pd
 
 from coopenv import cli
+from coopenv.agents.partners.person import Person
 from coopenv.agents.studies.dyads.analysis import GUIDES, quadrant_shares
 from coopenv.agents.studies.dyads.config import DyadsConfig
 from coopenv.agents.studies.dyads.people import Pairs, People
@@ -70,6 +71,24 @@ def test_who_is_told_plans_with_the_goal_and_who_is_not_with_the_start():
     goal, angle = start.next_state.goal[:, None, 2], start.next_state.pose[:, None, 2]
     np.testing.assert_array_equal(pairs.goals[..., 2], np.where(told, goal, angle))
     np.testing.assert_array_equal(pairs.goals[:, 0, :2], start.next_state.goal[:, :2])
+
+
+def test_goals_of_people_lie_in_memory_as_those_for_which_partners_are_compiled(monkeypatch):
+    core = Transport(num_worlds=3, config=BRIEF.environment)
+    core.reset(seed=0)
+    start = core.transition
+    assert start is not None
+    laid = []
+
+    def act(_, transition):
+        laid.append(transition.next_state.goal.flags.c_contiguous)
+        return np.zeros((3, 1, 3))
+
+    pairs = Pairs(BRIEF.environment, People().draw(0, 3), np.ones((3, 2), dtype=np.bool_))
+    pairs.reset(start, core.generators)
+    monkeypatch.setattr(Person, "act", act)
+    pairs.act(start)
+    assert laid == [True, True]
 
 
 def test_only_who_is_not_told_gives_in_to_unexpected_torque():
