@@ -104,7 +104,8 @@ def time_column(
     usable = [name for name in columns if name in numbers or form_of(first[name])]
     for wanted in TIMES:
         for name in usable:
-            if name.lower() == wanted or words_of(name)[:1] == [wanted]:
+            own = re.split(r"[./]", name)[-1]  # of a field of a structure, or in a group
+            if own.lower() == wanted or words_of(name)[:1] == [wanted]:
                 return name
     for name in usable:
         if {"time", "timestamp", "stamp"} & set(words_of(name)):
