@@ -170,3 +170,17 @@ def test_names_that_would_break_out_of_a_layout_do_not(tmp_path):
     (tmp_path / "made.toml").write_text(first_layout(contents), encoding="utf-8")
     made = Layout.load(tmp_path / "made.toml")
     assert made.columns == {"f1x": name}
+
+
+def test_all_matrices_of_a_structure_are_told_and_its_field_of_time(tmp_path):
+    pytest.importorskip("scipy")
+    from scipy.io import savemat
+
+    time = np.arange(20) / 100
+    fields = {"t": time, "left": np.ones((20, 6)), "right": np.ones((20, 6))}
+    savemat(tmp_path / "a.mat", {"trial": fields})
+    (contents,) = inspect_file(tmp_path / "a.mat")
+    assert contents.clock is not None
+    assert contents.clock.column == "trial.t"
+    names = [seen.name for seen in contents.columns]
+    assert names.count("trial.left:5") == names.count("trial.right:5") == 1
