@@ -65,9 +65,9 @@ def explanations(
     least = min(each.left for each in good)
     alike = [each for each in good if each.left <= ALIKE * least + 0.002 * left]
     kinds: dict[str, Explanation] = {}
-    for each in sorted(alike, key=lambda each: (each.rank, each.left)):
+    for each in sorted(alike, key=lambda each: (each.rank, each.sensors, each.left)):
         kinds.setdefault(each.kind, each)
-    yield from [*kinds.values()][:3]
+    yield from sorted(kinds.values(), key=lambda each: (each.rank, each.left))[:3]
 
 
 def _of_readings(sums: Corrected, layout: Layout) -> Iterator[Explanation]:

@@ -57,6 +57,7 @@ def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterato
         _tables(group, "rotation", values),
         sums.share(sums.numbers(axes(best.x))),
         RANKS["rotation"],
+        len(group),
     )
 
 
@@ -75,6 +76,7 @@ def offset(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[
         _tables(group, "offset", values),
         sums.share_with(keys, found),
         RANKS["offset"],
+        len(group),
     )
 
 
@@ -157,6 +159,7 @@ def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
         _tables(group, "load", [f'{{ mass = {abs(m):.3g}, side = "{side}" }}' for m in masses]),
         sums.share_with(keys, found),
         RANKS["load"] + 1,
+        len(group),
     )
 
 

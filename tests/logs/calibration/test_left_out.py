@@ -52,7 +52,10 @@ WRONG = {
         "axes of forces of sensor 1 are exchanged (x is x, y is z, z is y of the file)",
     ),
     "rotation": (lambda right: sensors(right, rotation=None), "sensors 1 and 2 are turned by 30"),
-    "offset": (lambda right: sensors(right, (1,), offset=()), "[sensors.1] offset = [5"),
+    "offset": (
+        lambda right: sensors(right, (1,), offset=()),
+        "sensor 1 is beside the grip, which is [0.04",
+    ),
     "tare": (
         lambda right: sensors(right, (1,), tare=None),
         "sensors have a bias, together of [4.9",
