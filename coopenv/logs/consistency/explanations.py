@@ -12,21 +12,12 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.corrected import UNIT, Corrected
-from coopenv.logs.consistency.fitted import (
-    bias,
-    center_of_mass,
-    constants,
-    handle,
-    loads,
-    offset,
-    other_units,
-    rotation,
-    units,
-    weight,
-)
+from coopenv.logs.consistency.fitted import bias, center_of_mass, handle, offset, rotation, weight
 from coopenv.logs.consistency.found import Explanation, sensors_named
 from coopenv.logs.consistency.known import Motion, Windows
 from coopenv.logs.consistency.misfit import Misfit
+from coopenv.logs.consistency.taken import constants, loads
+from coopenv.logs.consistency.units import other_units, units
 from coopenv.logs.layout import UNITS, Layout
 
 DOUBT = 0.0005  # share that is left, above which a mistake is looked for

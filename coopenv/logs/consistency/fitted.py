@@ -1,22 +1,20 @@
-"""Mistakes that have numbers, which are fitted: rotation, offset, bias, load, units, centre."""
+"""Mistakes that have numbers, which are fitted: rotation, offset, bias, load, centre of mass."""
 
 from collections.abc import Iterator, Sequence
-from itertools import product
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.calibration.sensor import Tare
-from coopenv.logs.consistency.corrected import MOST_LOAD, Corrected, Key
+from coopenv.logs.consistency.corrected import MOST_LOAD, Corrected
 from coopenv.logs.consistency.found import Explanation, are, sensors_named
-from coopenv.logs.layout import UNITS, Layout
+from coopenv.logs.consistency.taken import weights
+from coopenv.logs.layout import Layout
 
 LEAST_TURN = np.radians(2.0)
 LEAST_OFFSET, MOST_OFFSET = 0.004, 0.5  # [m]
 LEAST_MASS = 0.01  # [kg]
-NEAR = 0.03  # of a factor between two units
-RANKS = {"units": 0, "load": 2, "rotation": 3, "offset": 3, "com": 3, "bias": 4, "gain": 4}
+RANKS = {"load": 2, "rotation": 3, "offset": 3, "com": 3, "bias": 4}
 
 
 def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
@@ -115,30 +113,6 @@ def weight(sums: Corrected) -> Iterator[Explanation]:
     )
 
 
-def weights(sums: Corrected) -> list[Key]:
-    """Columns of the weight of loads."""
-    return [("weight",), *(("weight moment", a) for a in sums.force_axes)]
-
-
-def constants(sums: Corrected, layout: Layout) -> list[Key]:
-    """Columns of what is taken off as the mean of a rest, if the layout says so of a sensor."""
-    if not any(isinstance(sensor.tare, Tare) for sensor in layout.sensors.values()):
-        return []
-    forces = [("bias force", a) for a in sums.force_axes]
-    return [*forces, *(("bias torque", a) for a in sums.torque_axes)]
-
-
-def loads(sums: Corrected, layout: Layout) -> list[Key]:
-    """Columns of what is taken off for loads, as the layout declares them."""
-    carrying = {number - 1: each.load for number, each in layout.sensors.items()}
-    made = []
-    for i, load in carrying.items():
-        if load is not None and load.window is not None:
-            made += [("mass", i), *(("moment", i, a) for a in sums.force_axes)]
-    still = any(load is not None and load.window is None for load in carrying.values())
-    return made + (weights(sums) if still else [])
-
-
 def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
     """Weight and inertia of what hangs on sensors."""
     keys = [("mass", i) for i in group]
@@ -163,58 +137,6 @@ def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
     )
 
 
-def units(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
-    """Forces, or torques, or both, in another unit."""
-    force, torque = sums.numbers({}, torque=0.0), sums.numbers({}, force=0.0)
-    moves = [i for i in range(sums.num_effectors) if _offset_of(layout, i)]
-    # what was taken off readings, and added to them, in the wrong unit
-    keys = [("offset", i, a) for i in moves for a in sums.force_axes]
-    keys += weights(sums) if any(each.load is not None for each in layout.sensors.values()) else []
-    columns = np.stack([force, torque, *(sums.only(key) for key in keys)], axis=-1)
-    matrix, target = sums.residuals()
-    gains = np.linalg.lstsq(matrix @ columns, target, rcond=1e-9)[0]
-    names, remedies = [], []
-    rank = RANKS["units"]
-    for kind, gain in zip(("force", "torque"), gains[:2].tolist(), strict=True):
-        if gain <= 0:
-            return
-        if abs(gain - 1) < NEAR:
-            continue
-        unit = _unit_of(kind, gain * layout.factor(kind))
-        wrong = f"{gain:.3g} times too small" if gain > 1 else f"{1 / gain:.3g} times too large"
-        names.append(f"{kind}s are {f'in {unit}' if unit else wrong}")
-        remedies.append(f"--{kind} {unit}" if unit else f"scale {kind}s")
-        rank = rank if unit else RANKS["gain"]
-    if names:
-        left = sums.share(columns @ gains)
-        yield Explanation("units", " and ".join(names), ", ".join(remedies), left, rank)
-
-
-def other_units(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
-    """Forces, torques or both in another unit, one of those that are known."""
-    force, torque = sums.numbers({}, torque=0.0), sums.numbers({}, force=0.0)
-    moved = np.zeros_like(force)  # by the offsets, which have a force's unit beside a torque's
-    for i in range(sums.num_effectors):
-        for a, length in zip(sums.force_axes, _mounted_offset(i, layout), strict=False):
-            moved += length * sums.only(("offset", i, a))
-    tried = []
-    for one, other in product(UNITS["force"], UNITS["torque"]):
-        said = {"force": one, "torque": other}
-        changed = {kind: unit for kind, unit in said.items() if unit != getattr(layout, kind)}
-        gains = [UNITS[kind][unit] / layout.factor(kind) for kind, unit in said.items()]
-        mixed = gains[0] * force + gains[1] * torque + (gains[0] - gains[1]) * moved
-        left = sums.share(mixed)
-        tried += [(left, len(changed), changed)] * bool(changed)
-    least = min(left for left, *_ in tried)
-    if not np.isfinite(least):
-        return
-    alike = [each for each in tried if each[0] <= 2 * least]
-    left, _, changed = min(alike, key=lambda each: (each[1], each[0]))
-    names = [f"{kind}s are in {unit}" for kind, unit in changed.items()]
-    remedies = [f"--{kind} {unit}" for kind, unit in changed.items()]
-    yield Explanation("units", " and ".join(names), ", ".join(remedies), left, RANKS["units"])
-
-
 def center_of_mass(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
     """A tracked origin that is not the centre of mass."""
     keys = [("com", a) for a in sums.force_axes]
@@ -230,20 +152,6 @@ def center_of_mass(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
         )
 
 
-def _offset_of(layout: Layout, i: int) -> tuple[float, ...]:
-    sensor = layout.sensors.get(i + 1)
-    return () if sensor is None else sensor.offset
-
-
-def _mounted_offset(i: int, layout: Layout) -> FloatArray:
-    """A declared offset along the object's axes [m]; of no length where there is none."""
-    own = np.array(_offset_of(layout, i)) * layout.factor("length")
-    if not len(own):
-        return own
-    matrix = layout.sensors[i + 1].matrix(len(own), layout.factor("angle"), f"sensors.{i + 1}")
-    return own if matrix is None else matrix @ own
-
-
 def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
     """What an offset along the object's axes [m] makes of the one that a layout may have."""
     sensor = layout.sensors.get(i + 1)
@@ -253,14 +161,6 @@ def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
     matrix = sensor.matrix(len(place), layout.factor("angle"), f"sensors.{i + 1}")
     own = place if matrix is None else matrix.T @ place
     return _listed(own / unit + (np.array(sensor.offset) if sensor.offset else 0.0), 3)
-
-
-def _unit_of(kind: str, size: float) -> str:
-    """The unit of that size, if it is near one."""
-    for unit, factor in UNITS[kind].items():
-        if abs(size / factor - 1) < NEAR:
-            return unit
-    return ""
 
 
 def _tables(group: tuple[int, ...], key: str, values: Sequence[str]) -> str:
