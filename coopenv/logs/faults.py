@@ -7,6 +7,7 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.logs.columns import ORIENTATION
+from coopenv.logs.declared.stamps import written_as
 from coopenv.logs.formats.chunks import Chunk
 from coopenv.logs.layout import LARGEST
 from coopenv.logs.limits import shown
@@ -112,11 +113,17 @@ class Faults:
             called = chunk.called(column) + (f" ({name})" if name != column else "")
             yield (
                 chunk.whole & ~np.isfinite(chunk.numbers[column]),
-                lambda row, column=column, called=called: (
+                lambda row, name=name, column=column, called=called: (
                     f", {called} must be {chunk.rules.get(column, chunk.rule)}, got "
                     f"{shown(chunk.text(row, column))!r}"
+                    + (self._as_text(chunk, chunk.text(row, column)) if name == "time" else "")
                 ),
             )
+
+    def _as_text(self, chunk: Chunk, text: str) -> str:
+        """What to say of a time that is written as text, where numbers were declared."""
+        form = "" if self._plan.source["time"] in chunk.rules else written_as(text)
+        return f', a time as text: say --time "{form}"' if form else ""
 
     def _beyond_measure(self, chunk: Chunk, *_: object):
         for name in self._required():

@@ -1,8 +1,9 @@
 """Fenced code of README and docs: what a page shows, and running it as its reader would.
 
-Code runs in names of its own and in an empty folder. A Python block whose first line is
-``# name.py`` is a file, which the page's other blocks find beside them. A block under the mark
-``<!-- continues -->`` goes on from the one before it; no other block knows what came before.
+Code runs in names of its own and in an empty folder. A block whose first line is ``# name.py`` or
+``# name.toml`` is a file, which the page's other blocks find beside them. A block under the mark
+``<!-- continues -->`` goes on from the one before it; no other block knows what came before. Below
+a command, lines that begin with ``#>`` are some of what it prints.
 """
 
 import os
@@ -11,19 +12,21 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 
+from tests.docs import recorded
 from tests.logs import cases
 
 ROOT = Path(__file__).parents[2]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 
 _FENCE = re.compile(r"(<!-- continues -->\n)?^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-_FILE = re.compile(r"# (\w+\.py)\n")
+_FILE = re.compile(r"# (\w+\.(?:py|toml))\n")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +43,8 @@ class Snippet:
     def file(self) -> str:
         """The name of the file that the block is, or nothing."""
         found = _FILE.match(self.code)
-        return found[1] if found and self.language == "python" else ""
+        kind = {"python": ".py", "toml": ".toml"}.get(self.language, "no file")
+        return found[1] if found and found[1].endswith(kind) else ""
 
     @property
     def place(self) -> str:
@@ -92,11 +96,19 @@ def lay_out(page: Path, folder: Path) -> None:
             (folder / snippet.file).write_text(snippet.code, encoding="utf-8")
 
 
+def printed(snippet: Snippet, command: str) -> list[str]:
+    """Lines below a command of a block that say what it prints."""
+    lines = snippet.code.splitlines()
+    after = lines[lines.index(command) + 1 :]
+    return [line.removeprefix("#>") for line in takewhile(lambda each: each[:2] == "#>", after)]
+
+
 @contextmanager
 def running(chain: list[Snippet], folder: Path) -> Iterator[dict[str, Any]]:
     """Run blocks one after the other in ``folder``; yields their names, then undoes the rest."""
     page, names = chain[0].page, {"__name__": "__main__"}
     lay_out(page, folder)
+    recorded.lay_out("".join(snippet.code for snippet in chain), folder)
     path, modules, ids = list(sys.path), set(sys.modules), set(gymnasium.registry)
     sys.path.insert(0, str(folder))
     before = Path.cwd()

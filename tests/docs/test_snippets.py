@@ -12,7 +12,7 @@ import pytest
 from coopenv.cli import COMMANDS
 from coopenv.files import toml
 from coopenv.warming import decompositions, environments
-from tests.docs.snippets import PAGES, ROOT, Snippet, chains, running, snippets
+from tests.docs.snippets import PAGES, ROOT, Snippet, chains, printed, running, snippets
 
 CHAINS = [chain for page in PAGES for chain in chains(page)]
 COMMAND_LINES = [  # of blocks; the name before the command sets the environment, as in a shell
@@ -50,7 +50,10 @@ def test_the_command_lines_of_a_page_run(
     assert words[0] == "coopenv"
     with running([replace(snippet, code=CALL.format(words=words[1:]))], tmp_path) as names:
         assert names["failed"] == 0, capsys.readouterr().err
-    assert capsys.readouterr().out.strip()
+    out = " ".join(capsys.readouterr().out.split())
+    assert out
+    for told in printed(snippet, line):
+        assert " ".join(told.split()) in out, out
 
 
 def test_a_block_is_of_a_known_kind():

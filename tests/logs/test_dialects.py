@@ -2,6 +2,8 @@
 
 import gzip
 import io
+import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -251,3 +253,72 @@ def test_a_list_that_is_too_short_is_a_bad_row(tmp_path):
     source.offer(["a:1"])
     assert source.columns == ["a:1"]
     assert list(source.left_out) == []
+
+
+MEASURED = "0.0,1,2,3\n0.1,1,2,3\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (MEASURED, "line 1 must name the columns, got numbers such as 0.0; say --no-header"),
+        (
+            "Made by X\nDate 2026\n\ntime,f1x,f1y,t1z\n" + MEASURED,
+            "looks like names; say --skip-lines 3",
+        ),
+        (
+            "time,f1x,f1y,t1z\n09:00:00:000,1,2,3\n",
+            "got '09:00:00:000', a time as text: say --time \"%H:%M:%S:%f\"; repair it",
+        ),
+        (
+            "time,f1x,f1y,t1z\n2026-03-01T09:00:00Z,1,2,3\n",
+            "got '2026-03-01T09:00:00Z', a time as text: say --time \"iso\"",
+        ),
+    ],
+)
+def test_what_a_text_seems_to_be_is_told_with_its_option(content, says, tmp_path):
+    (tmp_path / "a.csv").write_text(content)
+    with pytest.raises(InvalidInput, match=re.escape(says)):
+        read(tmp_path / "a.csv", Layout(grips=ONE))
+
+
+def test_whole_numbers_may_be_names(tmp_path):
+    (tmp_path / "a.csv").write_text("0,1,2,3\n" + MEASURED)
+    columns = {name: str(k) for k, name in enumerate(("time", "f1x", "f1y", "t1z"))}
+    assert len(read(tmp_path / "a.csv", Layout(grips=ONE, columns=columns))) == 2
+
+
+def test_a_last_column_that_has_values_and_no_name_is_called_by_its_number(tmp_path):
+    (tmp_path / "a.csv").write_text("time,f1x,f1y,t1z,\n0.0,1,2,3,0.5\n0.1,1,2,3,0.6\n")
+    found = read(tmp_path / "a.csv", Layout(grips=ONE))
+    assert found.carried["4"].tolist() == [0.5, 0.6]
+
+
+def test_parts_of_arrays_are_kept_whoever_asks_for_them(tmp_path):
+    """Columns and pose are asked for one after the other; no array says how many rows there are."""
+    block = np.arange(40.0).reshape(4, 10) / 100
+    np.savez(tmp_path / "a.npz", a=block[:, :3], b=block[:, 3:6], c=block[:, 6:])
+    names = ("f1x", "f1y", "t1z")
+    columns = {name: f"a:{k}" for k, name in enumerate(names)} | {"x": "b:0", "y": "b:1"}
+    pose: Any = {"orientation": "euler", "columns": ["c:0", "c:1", "c:2"], "order": "ZYX"}
+    layout = Layout(grips=ONE, columns=columns, sample_rate=100.0, frame="world", pose=pose)
+    found = read(tmp_path / "a.npz", layout)
+    assert found.position is not None
+    np.testing.assert_allclose(found.position, block[:, 3:5])
+    source = open_source(tmp_path / "a.npz")
+    source.offer(["a:0"])
+    source.offer(["b:1"])
+    assert source.columns == ["a:0", "b:1"]
+
+
+@pytest.mark.parametrize(
+    ("said", "unit"),
+    [("Lbf-in", "lbf*in"), ("LBF-FT", "lbf*ft"), ("Kgf-cm", "kgf*cm"), ("Kg-cm", "kgf*cm")],
+)
+def test_units_of_torque_are_known_in_any_case_where_it_tells_nothing(said, unit):
+    assert Layout(torque=said).torque == unit
+
+
+def test_case_is_kept_where_it_tells_how_much(tmp_path):
+    with pytest.raises(CoopenvError, match="unit of torque must be one of the known names"):
+        Layout(torque="MN*m")

@@ -199,3 +199,17 @@ def test_numbers_too_large_for_a_room_are_millimetres_or_degrees(name, high, uni
     found = guess(seen)
     assert found is not None
     assert (found.name, found.unit, found.said and bool(unit)) == (name, unit, False)
+
+
+def test_all_matrices_of_a_structure_are_told_and_its_field_of_time(tmp_path):
+    pytest.importorskip("scipy")
+    from scipy.io import savemat
+
+    time = np.arange(20) / 100
+    fields = {"t": time, "left": np.ones((20, 6)), "right": np.ones((20, 6))}
+    savemat(tmp_path / "a.mat", {"trial": fields})
+    (contents,) = inspect_file(tmp_path / "a.mat")
+    assert contents.clock is not None
+    assert contents.clock.column == "trial.t"
+    names = [seen.name for seen in contents.columns]
+    assert names.count("trial.left:5") == names.count("trial.right:5") == 1

@@ -20,7 +20,10 @@ MEANING = {  # table.key -> default, meaning
     "sensors.1.load.inertia": ("none", "about that, the sensor's axes [kg m²]; needs `window`"),
     "sensors.1.load.side": ("hand", "`hand`, as a handle, or `object`, as a gripper"),
     "sensors.1.load.window": ("none", "over which acceleration is found [s]"),
-    "pose.orientation": ("quaternion", "`quaternion`, `matrix` or `euler`, in the unit of angles"),
+    "pose.orientation": (
+        "quaternion",
+        "`quaternion`, `matrix`, or, in the unit of angles, `euler` or `rotation_vector`",
+    ),
     "pose.columns": ("as documented", "its 4, 9 or 3 columns of the file"),
     "pose.order": (
         "wxyz, rows",

@@ -1,4 +1,4 @@
-"""Conventions of orientations: quaternions of either order, rotation matrices, Euler angles."""
+"""Conventions of orientations: quaternions of either order, matrices, Euler angles, vectors."""
 
 import re
 from itertools import pairwise
@@ -10,8 +10,13 @@ from scipy.spatial.transform import Rotation
 from coopenv.arrays import FloatArray, number_array
 from coopenv.errors import InvalidInput, UnknownName
 
-COUNTS = {"quaternion": 4, "matrix": 9, "euler": 3}  # numbers of an orientation
-ORDERS = {"quaternion": ("wxyz", "xyzw"), "matrix": ("rows", "columns")}
+COUNTS = {"quaternion": 4, "matrix": 9, "euler": 3, "rotation_vector": 3}  # numbers of each
+ORDERS = {
+    "quaternion": ("wxyz", "xyzw"),
+    "matrix": ("rows", "columns"),
+    "rotation_vector": ("xyz",),
+}
+IN_ANGLES = ("euler", "rotation_vector")  # whose numbers have the unit of angles
 SEQUENCE = re.compile(r"(?:[xyz]{3}|[XYZ]{3})")
 ORTHOGONAL = 0.01  # how far RᵀR may be from 1, as the length of a quaternion may
 
@@ -24,11 +29,13 @@ def quaternions(values: npt.ArrayLike, kind: str, order: str | None = None) -> F
     values
         ``(..., 4)``, ``(..., 9)`` or ``(..., 3)`` [rad], as ``kind`` is.
     kind
-        ``"quaternion"``, ``"matrix"`` or ``"euler"``.
+        ``"quaternion"``, ``"matrix"``, ``"euler"``, or ``"rotation_vector"``: along the axis of the
+        rotation, as long as its angle.
     order
         Of a quaternion: ``"wxyz"`` (default) or ``"xyzw"``. Of a matrix: ``"rows"`` (default), row
         by row, or ``"columns"``. Of Euler angles: three axes, small letters about the axes of the
-        world, capitals about those that turn with the object, such as ``"ZYX"``; no default.
+        world, capitals about those that turn with the object, such as ``"ZYX"``; no default. Of a
+        rotation vector: ``"xyz"``.
 
     Returns
     -------
@@ -56,6 +63,9 @@ def quaternions(values: npt.ArrayLike, kind: str, order: str | None = None) -> F
     made = np.full((len(flat), 4), np.nan)
     if kind == "euler":
         made[usable] = _wxyz(Rotation.from_euler(order, flat[usable]))
+        return made.reshape(*given.shape[:-1], 4)
+    if kind == "rotation_vector":
+        made[usable] = _wxyz(Rotation.from_rotvec(flat[usable]))
         return made.reshape(*given.shape[:-1], 4)
     matrix = flat.reshape(-1, 3, 3)
     matrix = matrix.swapaxes(1, 2) if order == "columns" else matrix

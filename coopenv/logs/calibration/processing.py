@@ -15,7 +15,7 @@ FASTEST = 1e6  # [Hz]
 class Pose:
     """How the orientation is written, and which point of the object is tracked, when."""
 
-    orientation: str = "quaternion"  # or "matrix", "euler"
+    orientation: str = "quaternion"  # or "matrix", "euler", "rotation_vector"
     columns: tuple[str, ...] = ()  # of the file, in order: 4, 9 or 3; () are the documented ones
     order: str | None = None  # see `coopenv.logs.calibration.quaternions`
     com: tuple[float, ...] = ()  # centre of mass in the tracked frame [unit of lengths]; () is 0

@@ -5,6 +5,7 @@ centre of mass. So only sums of products are kept, and each correction is tried 
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from coopenv.logs.consistency.misfit import Misfit
 from coopenv.wrench.grasp import cross
 
 UNIT = np.eye(3)
+MOST_LOAD = 0.5  # of the body's mass, that sensors carry
 Key = tuple  # ("force", i, a, b): component b of sensor i acts along axis a; and so on
 
 
@@ -44,7 +46,18 @@ class Corrected:
         count = 2 * len(misfit.wanted)
         self._square, self._toward = flat.T @ flat / count, flat.T @ target / count
         self._whole = float(target @ target) / count
+        self.free: tuple[Key, ...] = ()
         self.as_declared = self.numbers({})
+
+    def freed(self, keys: Sequence[Key]) -> "Corrected":
+        """The same, where these columns are fitted beside every correction that is tried.
+
+        What was found or taken off by the readings, as they were understood, is another thing where
+        they are understood otherwise: a tare that is a mean, the weight of a load.
+        """
+        made = copy(self)
+        made.free = tuple(keys)
+        return made
 
     def numbers(
         self,
@@ -71,18 +84,25 @@ class Corrected:
 
     def share(self, numbers: FloatArray) -> float:
         """What `Misfit.share` would be with these factors."""
+        if self.free:
+            found = self.fitted(self.free, numbers)
+            masses = [key[0] in ("mass", "weight") for key in self.free]
+            if np.abs(found[masses]).sum() > MOST_LOAD * self.mass:  # not all of the body
+                return np.inf
+            numbers = numbers.copy()
+            numbers[[self._place[key] for key in self.free]] += found
         left = numbers @ self._square @ numbers - 2 * self._toward @ numbers + self._whole
         return max(float(left), 0.0)
 
     def fitted(self, keys: Sequence[Key], base: FloatArray | None = None) -> FloatArray:
-        """Factors of these columns that leave the least, beside what was declared."""
+        """Factors of these columns that leave the least, beside what was declared and is free."""
         base = self.as_declared if base is None else base
-        places = [self._place[key] for key in keys]
+        places = [self._place[key] for key in dict.fromkeys([*keys, *self.free])]
         square = self._square[np.ix_(places, places)]
         toward = self._toward[places] - self._square[places] @ base
         size = np.sqrt(np.maximum(np.diag(square), 1e-300))
         solved = np.linalg.lstsq(square / np.outer(size, size), toward / size, rcond=1e-9)[0]
-        return solved / size
+        return (solved / size)[: len(keys)]
 
     def share_with(self, keys: Sequence[Key], factors: FloatArray) -> float:
         """`share` with these columns added to what was declared."""
@@ -95,7 +115,14 @@ class Corrected:
         value, vector = np.linalg.eigh(self._square)
         kept = value > 1e-12 * value[-1]
         root = np.sqrt(value[kept])
-        return root[:, None] * vector[:, kept].T, vector[:, kept].T @ self._toward / root
+        matrix, target = root[:, None] * vector[:, kept].T, vector[:, kept].T @ self._toward / root
+        if not self.free:
+            return matrix, target
+        columns = matrix[:, [self._place[key] for key in self.free]]
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-150)
+        left, singular, _ = np.linalg.svd(columns / size, full_matrices=False)
+        spanned = left[:, singular > 1e-6]
+        return matrix - spanned @ (spanned.T @ matrix), target - spanned @ (spanned.T @ target)
 
     def _columns(self, windows: Windows) -> dict[Key, FloatArray]:
         """Each ``(W, 6)``."""

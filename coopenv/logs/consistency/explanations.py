@@ -12,18 +12,12 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.corrected import UNIT, Corrected
-from coopenv.logs.consistency.fitted import (
-    bias,
-    center_of_mass,
-    handle,
-    offset,
-    rotation,
-    units,
-    weight,
-)
+from coopenv.logs.consistency.fitted import bias, center_of_mass, handle, offset, rotation, weight
 from coopenv.logs.consistency.found import Explanation, sensors_named
 from coopenv.logs.consistency.known import Motion, Windows
 from coopenv.logs.consistency.misfit import Misfit
+from coopenv.logs.consistency.taken import constants, loads
+from coopenv.logs.consistency.units import other_units, units
 from coopenv.logs.layout import UNITS, Layout
 
 DOUBT = 0.0005  # share that is left, above which a mistake is looked for
@@ -50,25 +44,48 @@ def explanations(
         return
     d = dimension
     tried = [*_of_pose(windows, misfit, layout, delay, d)]
+    good = []
     if windows[0].motion.force.shape[1] <= MOST_EFFECTORS:
         sums = Corrected(windows, misfit, layout.body, d)
-        for groups in _groups(sums.num_effectors):
-            tried += _turned(sums, groups)
-            tried += rotation(sums, groups, layout)
-            tried += offset(sums, groups, layout)
-            tried += handle(sums, groups)
-        tried += [*bias(sums), *weight(sums)]
-        tried += units(sums, layout)
-        tried += center_of_mass(sums, layout)
-    good = [each for each in tried if each.left < min(BETTER * left, ENOUGH)]
+        tried += [*_of_readings(sums, layout), *_of_places(sums, layout)]
+        tried += [*bias(sums), *weight(sums), *center_of_mass(sums, layout)]
+        good = _beside_what_was_taken_off(sums, layout)
+    good += [each for each in tried if each.left < min(BETTER * left, ENOUGH)]
     if not good:
         return
     least = min(each.left for each in good)
     alike = [each for each in good if each.left <= ALIKE * least + 0.002 * left]
     kinds: dict[str, Explanation] = {}
-    for each in sorted(alike, key=lambda each: (each.rank, each.left)):
+    for each in sorted(alike, key=lambda each: (each.rank, each.sensors, each.left)):
         kinds.setdefault(each.kind, each)
-    yield from [*kinds.values()][:3]
+    yield from sorted(kinds.values(), key=lambda each: (each.rank, each.left))[:3]
+
+
+def _of_readings(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
+    """Readings that are to be understood otherwise."""
+    for group in _groups(sums.num_effectors):
+        yield from _turned(sums, group, layout)
+        yield from rotation(sums, group, layout)
+    yield from other_units(sums, layout) if sums.free else units(sums, layout)
+
+
+def _of_places(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
+    """Where sensors are, and what they carry."""
+    for group in _groups(sums.num_effectors):
+        yield from offset(sums, group, layout)
+        yield from handle(sums, group)
+
+
+def _beside_what_was_taken_off(sums: Corrected, layout: Layout) -> list[Explanation]:
+    """Mistakes that are good once tares that were found, and loads, are taken off anew."""
+    found, carried = constants(sums, layout), loads(sums, layout)
+    made = []
+    for keys, tried in (([*found, *carried], _of_readings), (found, _of_places)):
+        if keys:
+            freed = sums.freed(keys)
+            least = min(BETTER * freed.share(freed.as_declared), ENOUGH)
+            made += [each for each in tried(freed, layout) if each.left < least]
+    return made
 
 
 def sentence(left: float, found: Sequence[Explanation]) -> str:
@@ -172,15 +189,17 @@ def _in_other_frame(motion: Motion, frame: str) -> Motion:
     )
 
 
-def _turned(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
-    """Signs and axes of some sensors: the mistakes that have no number."""
+def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
+    """Signs and axes of some sensors, the file's: the mistakes that have no number."""
     who, d = sensors_named(group, sums.num_effectors), len(sums.force_axes)
     keys = f"[sensors.{group[0] + 1}]" if len(group) == 1 else "each sensor's table"
 
+    mounted = {i: _mounting(i, layout, d) for i in group}
+
     def left(force: FloatArray, torque: FloatArray) -> float:
-        return sums.share(
-            sums.numbers(dict.fromkeys(group, force), torque_axes=dict.fromkeys(group, torque))
-        )
+        axes = {i: turn @ force @ turn.T for i, turn in mounted.items()}
+        torque_axes = {i: turn @ torque @ turn.T for i, turn in mounted.items()}
+        return sums.share(sums.numbers(axes, torque_axes=torque_axes))
 
     text = f"the reaction on {who} is recorded"
     yield Explanation("sign", text, f"{keys} sign = -1", left(-UNIT, -UNIT), 0)
@@ -205,3 +224,13 @@ def _turned(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
                 text = f"{kind} of {who} are exchanged ({axes} of the file)"
                 remedy = "exchange them with --map"
                 yield Explanation("axes", text, remedy, left(matrix, torque), rank)
+
+
+def _mounting(i: int, layout: Layout, dimension: int) -> FloatArray:
+    """The declared rotation ``(3, 3)`` of a sensor."""
+    made, sensor = np.eye(3), layout.sensors.get(i + 1)
+    if sensor is not None:
+        matrix = sensor.matrix(dimension, layout.factor("angle"), f"sensors.{i + 1}")
+        if matrix is not None:
+            made[:dimension, :dimension] = matrix
+    return made

@@ -1,4 +1,4 @@
-"""Mistakes that have numbers, which are fitted: rotation, offset, bias, load, units, centre."""
+"""Mistakes that have numbers, which are fitted: rotation, offset, bias, load, centre of mass."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,16 +6,15 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.consistency.corrected import Corrected, Key
+from coopenv.logs.consistency.corrected import MOST_LOAD, Corrected
 from coopenv.logs.consistency.found import Explanation, are, sensors_named
-from coopenv.logs.layout import UNITS, Layout
+from coopenv.logs.consistency.taken import weights
+from coopenv.logs.layout import Layout
 
 LEAST_TURN = np.radians(2.0)
-LEAST_OFFSET = 0.004  # [m]
+LEAST_OFFSET, MOST_OFFSET = 0.004, 0.5  # [m]
 LEAST_MASS = 0.01  # [kg]
-MOST_LOAD = 0.5  # of the body's mass
-NEAR = 0.03  # of a factor between two units
-RANKS = {"units": 0, "load": 2, "rotation": 3, "offset": 3, "com": 3, "bias": 4, "gain": 4}
+RANKS = {"load": 2, "rotation": 3, "offset": 3, "com": 3, "bias": 4}
 
 
 def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
@@ -56,6 +55,7 @@ def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterato
         _tables(group, "rotation", values),
         sums.share(sums.numbers(axes(best.x))),
         RANKS["rotation"],
+        len(group),
     )
 
 
@@ -64,7 +64,7 @@ def offset(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[
     keys = [("offset", i, a) for i in group for a in sums.force_axes]
     found = sums.fitted(keys)
     places = found.reshape(len(group), -1)
-    if np.linalg.norm(places, axis=-1).max() < LEAST_OFFSET:
+    if not LEAST_OFFSET <= np.linalg.norm(places, axis=-1).max() <= MOST_OFFSET:
         return
     values = [_as_declared(i, each, layout) for i, each in zip(group, places, strict=True)]
     yield Explanation(
@@ -74,6 +74,7 @@ def offset(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[
         _tables(group, "offset", values),
         sums.share_with(keys, found),
         RANKS["offset"],
+        len(group),
     )
 
 
@@ -112,11 +113,6 @@ def weight(sums: Corrected) -> Iterator[Explanation]:
     )
 
 
-def weights(sums: Corrected) -> list[Key]:
-    """Columns of the weight of loads."""
-    return [("weight",), *(("weight moment", a) for a in sums.force_axes)]
-
-
 def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
     """Weight and inertia of what hangs on sensors."""
     keys = [("mass", i) for i in group]
@@ -137,35 +133,8 @@ def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
         _tables(group, "load", [f'{{ mass = {abs(m):.3g}, side = "{side}" }}' for m in masses]),
         sums.share_with(keys, found),
         RANKS["load"] + 1,
+        len(group),
     )
-
-
-def units(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
-    """Forces, or torques, or both, in another unit."""
-    force, torque = sums.numbers({}, torque=0.0), sums.numbers({}, force=0.0)
-    loads = any(sensor.load is not None for sensor in layout.sensors.values())
-    moves = [i for i in range(sums.num_effectors) if _offset_of(layout, i)]
-    # what was taken off readings, and added to them, in the wrong unit
-    keys = [("offset", i, a) for i in moves for a in sums.force_axes]
-    keys += weights(sums) if loads else []
-    columns = np.stack([force, torque, *(sums.only(key) for key in keys)], axis=-1)
-    matrix, target = sums.residuals()
-    gains = np.linalg.lstsq(matrix @ columns, target, rcond=1e-9)[0]
-    names, remedies = [], []
-    rank = RANKS["units"]
-    for kind, gain in zip(("force", "torque"), gains[:2].tolist(), strict=True):
-        if gain <= 0:
-            return
-        if abs(gain - 1) < NEAR:
-            continue
-        unit = _unit_of(kind, gain * layout.factor(kind))
-        wrong = f"{gain:.3g} times too small" if gain > 1 else f"{1 / gain:.3g} times too large"
-        names.append(f"{kind}s are {f'in {unit}' if unit else wrong}")
-        remedies.append(f"--{kind} {unit}" if unit else f"scale {kind}s")
-        rank = rank if unit else RANKS["gain"]
-    if names:
-        left = sums.share(columns @ gains)
-        yield Explanation("units", " and ".join(names), ", ".join(remedies), left, rank)
 
 
 def center_of_mass(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
@@ -183,11 +152,6 @@ def center_of_mass(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
         )
 
 
-def _offset_of(layout: Layout, i: int) -> tuple[float, ...]:
-    sensor = layout.sensors.get(i + 1)
-    return () if sensor is None else sensor.offset
-
-
 def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
     """What an offset along the object's axes [m] makes of the one that a layout may have."""
     sensor = layout.sensors.get(i + 1)
@@ -197,14 +161,6 @@ def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
     matrix = sensor.matrix(len(place), layout.factor("angle"), f"sensors.{i + 1}")
     own = place if matrix is None else matrix.T @ place
     return _listed(own / unit + (np.array(sensor.offset) if sensor.offset else 0.0), 3)
-
-
-def _unit_of(kind: str, size: float) -> str:
-    """The unit of that size, if it is near one."""
-    for unit, factor in UNITS[kind].items():
-        if abs(size / factor - 1) < NEAR:
-            return unit
-    return ""
 
 
 def _tables(group: tuple[int, ...], key: str, values: Sequence[str]) -> str:

@@ -12,6 +12,7 @@ class Explanation:
     remedy: str
     left: float  # `Misfit.share`
     rank: int  # the simpler, the smaller
+    sensors: int = 1  # how many of them have it, where it is one of sensors
 
 
 def are(group: tuple[int, ...]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
-from coopenv.logs.calibration.orientation import heading, quaternions
+from coopenv.logs.calibration.orientation import IN_ANGLES, heading, quaternions
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import factor_of
@@ -69,7 +69,7 @@ class _Oriented(Source):
     def __init__(self, source: Source, path: str, layout: Layout, used: tuple[str, ...]):
         self._source, self._used, self._pose = source, used, layout.pose
         self._angle = layout.factor("angle")
-        angles = layout.pose.orientation == "euler"
+        angles = layout.pose.orientation in IN_ANGLES
         self._factors = [
             factor_of(path, name, "angle", source.units[name], layout.angle)
             if angles and name in source.units

@@ -23,6 +23,19 @@ ISO_PATTERN = (
     rf"{PARTS['Y']}-{PARTS['m']}-{PARTS['d']}(?:[T ]{PARTS['H']}:{PARTS['M']}"
     rf"(?::{PARTS['S']}(?:[.,]{PARTS['f']})?)?\s*{PARTS['z']}?)?"
 )
+CLOCKS = (  # how times without a day are written
+    (re.compile(r"\d{1,2}:\d{2}:\d{2}\.\d+"), "%H:%M:%S.%f"),
+    (re.compile(r"\d{1,2}:\d{2}:\d{2}:\d+"), "%H:%M:%S:%f"),
+    (re.compile(r"\d{1,2}:\d{2}:\d{2}"), "%H:%M:%S"),
+)
+
+
+def written_as(text: str) -> str:
+    """How a time is written, if it looks like one in ISO 8601 or of a clock; else empty."""
+    text = text.strip()
+    if re.fullmatch(ISO_PATTERN, text):
+        return ISO
+    return next((form for pattern, form in CLOCKS if pattern.fullmatch(text)), "")
 
 
 def is_form(said: str) -> bool:

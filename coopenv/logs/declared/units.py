@@ -77,8 +77,8 @@ SPELLINGS: dict[str, dict[str, str]] = {
         "lbf*in": "lbfin in*lbf inlbf lb*in lbin in*lb inlb in*lbs",
         "lbf*ft": "lbfft ft*lbf ftlbf lb*ft lbft ft*lb ftlb ft*lbs",
         "ozf*in": "ozfin in*ozf oz*in ozin in*oz inoz",
-        "kgf*m": "kgfm m*kgf kp*m",
-        "kgf*cm": "kgfcm cm*kgf kp*cm",
+        "kgf*m": "kgfm m*kgf kp*m kg*m",
+        "kgf*cm": "kgfcm cm*kgf kp*cm kg*cm",
         "gf*cm": "gfcm cm*gf p*cm",
     },
 }
@@ -145,4 +145,6 @@ def _found(quantity: str, said: str) -> str | None:
     lower = text.lower()  # of words alone: in mN and MN the case says how much it is
     if lower in ANY_CASE and lower in UNITS[quantity]:
         return lower
-    return words.get(lower) if len(lower.strip("/*°")) > 3 else None
+    if len(lower.strip("/*°")) <= 3:
+        return None
+    return lower if lower in known else words.get(lower)

@@ -84,8 +84,10 @@ class HeadReader:
         begin, number = (first.begin, first.number) if is_row else (first.end, first.number + 1)
         self._separator = self._separator_of(names)
         called = self.fields(names.text, names.place)
-        if not is_row and len(called) <= FEW:
-            self._require_names(names, [*rows, *below])
+        if not is_row:
+            self._require_no_numbers(names)
+            if len(called) <= FEW or self._is_of_other_width(called, rows):
+                self._require_names(names, [*rows, *below])
         said: list[str] = []
         if self.dialect.units_row:
             said, begin, number = self._units(rows)
@@ -209,13 +211,30 @@ class HeadReader:
         words = [each for each in re.split(r"[;\t| ]+|,(?!\d)|(?<=\d),", line.text) if each.strip()]
         return bool(words) and all(NUMBER.fullmatch(each.strip('" ')) for each in words)
 
+    def _require_no_numbers(self, names: _Line) -> None:
+        """Raise where the line that should name columns is a row of measured numbers."""
+        if self._is_numeric(names) and any(each in names.text for each in ".,-+"):
+            fields = self._peeked(names)
+            if not all(each.strip('" ').isdecimal() for each in fields):  # as pandas names them
+                raise InvalidInput(
+                    f"{self.path}, {names.place} must name the columns, got numbers such as "
+                    f"{shown(fields[0], 20)}; say --no-header"
+                )
+
+    def _is_of_other_width(self, called: list[str], rows: list[_Line]) -> bool:
+        """Whether the line below has fewer or more fields than there are names."""
+        below = self._peeked(rows[0]) if rows else called
+        ends = len(below) == len(called) + 1 and not below[-1]  # with a separator
+        return len(below) != len(called) and not ends
+
     def _require_names(self, names: _Line, rows: list[_Line]) -> None:
         """Raise where a line that should name columns is of a preamble, and a later one does."""
         for line, following in pairwise(rows):
             separator = max(SEPARATORS, key=line.text.count)
             separator = separator if line.text.count(separator) else BLANKS
-            called, below = (len(self._peeked(each, separator)) for each in (line, following))
-            if FEW < called == below and not self._is_numeric(line):
+            words = self._peeked(line, separator)
+            called, below = len(words), len(self._peeked(following, separator))
+            if FEW < called == below and not any(map(NUMBER.fullmatch, words)):
                 raise InvalidInput(
                     f"{self.path}, {names.place} must name the columns, got "
                     f"{shown(names.text, 40)!r}, where {line.place} looks like names; say "
@@ -247,9 +266,11 @@ class HeadReader:
         there = max((k for k, name in enumerate(called) if name), default=0) + 1
         if self.dialect.no_header:
             there = len(called) - (len(called) > 1 and not called[-1])
-        if there < len(called):
-            return called[:there], len(called) - there
         first = self._peeked(rows[0]) if rows else [""]
+        if there < len(called):
+            if any(first[there:]) and len(first) >= len(called):  # values without a name
+                return [name or str(k) for k, name in enumerate(called)], 0
+            return called[:there], len(called) - there
         return called, int(len(first) == len(called) + 1 and not first[-1])
 
 

@@ -68,6 +68,7 @@ class ArraySource(Source):
     def __init__(self, path: Path, limits: Limits, arrays: Mapping[str, Named]):
         self._path, self._limits = path, limits
         self._arrays = dict(arrays)
+        self._decided = any(name in self._arrays for name in LONG)  # how many rows there are
         self._settle(self._length())
 
     @property
@@ -79,7 +80,8 @@ class ArraySource(Source):
         """Make parts of arrays columns, where these names ask for them."""
         asked = {name: part for name in names if (part := part_of(name)) is not None}
         there = [array for array, _ in asked.values() if array in self._arrays]
-        if there and not any(name in self._arrays for name in LONG):
+        if there and not self._decided:
+            self._decided = True
             self._settle(self._longest([there[0]]))
         for name, (array, index) in asked.items():
             if array in self._arrays and name not in self._columns:

@@ -26,9 +26,12 @@ def first_layout(contents: Sequence[Contents]) -> str:
     several = len(contents) > 1
     lines = [f"# {shown(legible(Path(first.path).name))}"]
     lines += ["# Guessed from names and numbers: read it, correct it, then delete this line."]
-    lines += ["# grips = [[-0.9, 0.0], [0.9, 0.0]]  # where the effectors hold, object frame"] * (
-        not any(guess.name.startswith("r") for each in found for guess in each.values())
-    )
+    names = {guess.name for each in found for guess in each.values()}
+    if not any(name.startswith("r") for name in names):
+        grips = (
+            "[[-0.9, 0.0, 0.0], [0.9, 0.0, 0.0]]" if "f1z" in names else "[[-0.9, 0.0], [0.9, 0.0]]"
+        )
+        lines.append(f"# grips = {grips}  # where the effectors hold, object frame")
     lines += ['# frame = "world"  # if forces and torques are in the world frame']
     lines += _clock(contents)
     lines += _units(found)

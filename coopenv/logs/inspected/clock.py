@@ -8,18 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.declared.stamps import ISO, ISO_PATTERN
+from coopenv.logs.declared.stamps import ISO, written_as
 from coopenv.logs.declared.units import UNITS, is_unit, known_unit
 from coopenv.logs.formats.chunks import Column
 from coopenv.logs.inspected.words import unit_in, words_of
 
 GAP = 5.0  # usual steps, from which one is a gap
 TIMES = ("time", "timestamp", "stamp", "t", "sec", "secs", "seconds", "date", "datetime")
-CLOCKS = (  # how times without a day, or with one, are written
-    (re.compile(r"\d{1,2}:\d{2}:\d{2}\.\d+"), "%H:%M:%S.%f"),
-    (re.compile(r"\d{1,2}:\d{2}:\d{2}:\d+"), "%H:%M:%S:%f"),
-    (re.compile(r"\d{1,2}:\d{2}:\d{2}"), "%H:%M:%S"),
-)
 SINCE_1970 = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))  # what such times are at least
 
 
@@ -104,7 +99,8 @@ def time_column(
     usable = [name for name in columns if name in numbers or form_of(first[name])]
     for wanted in TIMES:
         for name in usable:
-            if name.lower() == wanted or words_of(name)[:1] == [wanted]:
+            own = re.split(r"[./]", name)[-1]  # of a field of a structure, or in a group
+            if own.lower() == wanted or words_of(name)[:1] == [wanted]:
                 return name
     for name in usable:
         if {"time", "timestamp", "stamp"} & set(words_of(name)):
@@ -118,7 +114,4 @@ def form_of(values: Column) -> str:
         return ISO
     if values.dtype.kind not in "OU" or not len(values):
         return ""
-    text = str(values[0]).strip()
-    if re.fullmatch(ISO_PATTERN, text):
-        return ISO
-    return next((form for pattern, form in CLOCKS if pattern.fullmatch(text)), "")
+    return written_as(str(values[0]))

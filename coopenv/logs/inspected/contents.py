@@ -82,9 +82,12 @@ def inspect_file(
 def _inspected(path: Path, part: str, dialect: Dialect, limits: Limits) -> Contents:
     source = open_source(path, dialect, limits, part)
     shapes = {name: shape for name, shape in source.shapes.items() if len(shape) > 1}
-    for name, shape in shapes.items():
-        if name in source.left_out and math.prod(shape[1:]) <= WIDEST:
-            source.offer(f"{name}:{':'.join(map(str, at))}" for at in np.ndindex(shape[1:]))
+    source.offer(  # at once, as what is offered decides how many rows there are
+        f"{name}:{':'.join(map(str, at))}"
+        for name, shape in shapes.items()
+        if name in source.left_out and math.prod(shape[1:]) <= WIDEST
+        for at in np.ndindex(shape[1:])
+    )
     with reading(path):
         first = _first_values(path, source)
         numbers = [name for name in first if _is_number(first[name], dialect.decimal)]

@@ -102,7 +102,7 @@ def test_a_correction_without_its_columns_asks_for_them(tmp_path):
         _read(path, declared(grips=BEAM, filters={"wrench": 5.0}))
 
 
-ORIENTED = ("quaternion", "matrix", "euler")
+ORIENTED = ("quaternion", "matrix", "euler", "rotation_vector")
 
 
 @pytest.mark.parametrize("kind", ORIENTED)
@@ -116,11 +116,12 @@ def test_orientations_are_read_from_columns_of_any_convention(kind, suffix, tmp_
         "quaternion": (xyzw, "xyzw"),
         "matrix": (turn.as_matrix().reshape(-1, 9), "rows"),
         "euler": (turn.as_euler("ZYX", degrees=True), "ZYX"),
+        "rotation_vector": (turn.as_rotvec(degrees=True), None),
     }[kind]
     names = [f"o{j}" for j in range(values.shape[1])]
     columns |= dict(zip(names, values.T, strict=True))
     said = {"frame": "world", "angle": "deg", "angular_velocity": "rad/s"}
-    pose = {"orientation": kind, "columns": names, "order": order}
+    pose = {"orientation": kind, "columns": names} | ({"order": order} if order else {})
     path = cases.save(columns, tmp_path / f"b{suffix}")
     seen = _read(path, declared(**said, pose=pose))
     np.testing.assert_allclose(seen.applied, wanted.applied, rtol=0, atol=1e-12)
