@@ -100,7 +100,7 @@ class LearnedPartner:
 
     def _checked_digest(self) -> str:
         """The file's digest; raises unless it is the one that is known."""
-        from ..learned.archive import existing
+        from ..trained.archive import existing
 
         try:
             found = sha256(existing(Path(self.path)).read_bytes()).hexdigest()

@@ -1,0 +1,6 @@
+"""Trained policies whatever their library: what files say of them, and networks in NumPy."""
+
+from .archive import NOTES, read_notes
+from .policy import PlainPolicy
+
+__all__ = ["NOTES", "PlainPolicy", "read_notes"]
