@@ -6,6 +6,7 @@ import os
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ SUFFIX = ".npz"
 _NAMES = {"format", "algorithm", "spaces", "network", "blueprint"}
 _SPACES = ("observation_space", "action_space")
 _WEIGHTS, _STATISTICS = "weights/", "normalization.npz"
-_ARRAY = ".npy"
+_ARRAY, _VERSION = ".npy", (1, 0)  # of NumPy's format
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,7 +115,7 @@ def write_form(form: Form, path: str | os.PathLike) -> None:
             _put(archive, _STATISTICS, form.normalization.to_bytes())
         for name, array in form.arrays.items():
             data = io.BytesIO()
-            np.lib.format.write_array(data, array, allow_pickle=False)
+            np.lib.format.write_array(data, array, version=_VERSION, allow_pickle=False)
             _put(archive, f"{_WEIGHTS}{name}{_ARRAY}", data.getvalue())
 
 
@@ -164,10 +165,7 @@ def _form(archive: zipfile.ZipFile, said: Mapping[str, Any], notes: Mapping[str,
     for member in archive.namelist():
         if member.startswith(_WEIGHTS):
             name = member.removeprefix(_WEIGHTS).removesuffix(_ARRAY)
-            data = io.BytesIO(archive.read(member))
-            arrays[name] = np.lib.format.read_array(data, allow_pickle=False)
-            if arrays[name].dtype.kind not in "fiub" or not np.isfinite(arrays[name]).all():
-                raise ValueError(f"{name!r:.60} is not made of finite numbers")
+            arrays[name] = _array(archive.read(member), name)
     kept = _STATISTICS in archive.namelist()
     return Form.of(
         said["network"],
@@ -178,6 +176,21 @@ def _form(archive: zipfile.ZipFile, said: Mapping[str, Any], notes: Mapping[str,
         blueprint=said["blueprint"],
         notes=notes,
     )
+
+
+def _array(data: bytes, name: str) -> npt.NDArray:
+    """The array in a member, of no more memory than the member has."""
+    stream = io.BytesIO(data)
+    if np.lib.format.read_magic(stream) != _VERSION:
+        raise ValueError(f"{name!r:.60} is of another format")
+    shape, by_column, dtype = np.lib.format.read_array_header_1_0(stream)
+    rest = data[stream.tell() :]
+    if by_column or dtype.kind not in "fiub" or len(rest) != prod(shape) * dtype.itemsize:
+        raise ValueError(f"{name!r:.60} holds something else than its numbers")
+    array = np.frombuffer(rest, dtype).reshape(shape)
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name!r:.60} has numbers that are not finite")
+    return array
 
 
 def _put(archive: zipfile.ZipFile, name: str, data: bytes) -> None:

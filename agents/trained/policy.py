@@ -128,7 +128,13 @@ class PlainPolicy:
         if not self.deterministic:
             self._keys.follow(transition)
         act = self._pushes if self.form.spaces.pushes is not None else self._action
-        return self.form.spaces.by_agent(act(rows, transition), obs, width)
+        action = act(rows, transition)
+        if not np.isfinite(action).all():
+            raise InvalidInput(
+                "actions of a policy must be finite, got nan or inf: its weights are too large; "
+                "train anew with a lower learning_rate"
+            )
+        return self.form.spaces.by_agent(action, obs, width)
 
     def _action(self, rows: npt.NDArray, transition: Transition) -> npt.NDArray:
         if self.deterministic:

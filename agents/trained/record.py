@@ -7,9 +7,10 @@ that every agent runs.
 from collections.abc import Mapping
 from typing import Any
 
-from coopenv.config import ACTIONS
+from coopenv.config import ACTIONS, TransportConfig
 from coopenv.config.hands import BY_HANDS
 from coopenv.errors import InvalidInput
+from coopenv.tasks import TASKS
 from coopenv.transport import Transport
 
 RECORD = "provenance"  # entry of the notes, as coopenv.agents.provenance writes it
@@ -38,6 +39,7 @@ def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> 
             f"(--observe {' '.join(trained)}), or in the environment that its file records"
         )
     check_kind(environment, core.config.action)
+    _check_world(environment, core.config)
     control = training.get("control", "shared")  # not known: no team is refused
     learners = len(core.learners)
     if control != "shared" and agents != learners:
@@ -69,6 +71,27 @@ def check_kind(environment: Mapping[str, Any], action: str) -> None:
             "whose numbers mean something else; leave action= (--action) as the policy's file "
             "records it, or train another policy"
         )
+
+
+def _check_world(environment: Mapping[str, Any], config: TransportConfig) -> None:
+    """Raise where a policy's numbers stand for other forces, or its goal for another task."""
+    kind = environment.get("task")
+    kind = kind.get("kind") if isinstance(kind, Mapping) else None
+    ours = {f"coopenv.{each.__name__}" for each in TASKS}
+    here = f"coopenv.{type(config.task).__name__}"
+    if kind in ours and here in ours and kind != here:
+        raise InvalidInput(
+            f"task must be the {str(kind).rpartition('.')[2]} that the policy was trained in, got a "
+            f"{type(config.task).__name__}; evaluate it in the environment that its file records, "
+            "or train another policy"
+        )
+    for name, unit in (("force_limit", "N"), ("torque_limit", "N·m")):
+        trained, now = environment.get(name), getattr(config, name)
+        if isinstance(trained, int | float) and trained != now:
+            raise InvalidInput(
+                f"{name} must be the {trained:g} {unit} that the policy's actions of 1 stood for "
+                f"in its training, got {now:g} {unit}; leave it as its file records it"
+            )
 
 
 def part_of(notes: Mapping[str, Any], name: str) -> Mapping[str, Any]:
