@@ -19,12 +19,13 @@ from benchmarks.pages import DOCS, fill, markdown
 from coopenv.agents.evaluate import Evaluation, evaluate
 from coopenv.agents.pretrained import names
 from coopenv.agents.pretrained.catalogue import ROW
-from coopenv.agents.pretrained.names import WORD, file_of
+from coopenv.agents.pretrained.names import CONTROLS, WORD, file_of
 from coopenv.agents.provenance import KEY, Provenance
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.trained.form import SUFFIX, Form, read_form
 from coopenv.agents.trained.policy import PlainPolicy
 
+TASKS = ("BeamTransport", "BeamDoorway", "BeamTracking", "BeamLift", "WalkerTurn", "WalkerAvoid")
 PAGE = DOCS / "policies.md"
 MADE = "made"  # entry of the notes: command and revision
 COLUMNS = (
@@ -139,15 +140,7 @@ def made(name: str, form: Form) -> tuple[str, ...]:
 def main() -> None:
     """Run what the command line asks for."""
     wanted, console = tyro.cli(Pretrained), Console()
-    tasks = (
-        "BeamTransport",
-        "BeamDoorway",
-        "BeamTracking",
-        "BeamLift",
-        "WalkerTurn",
-        "WalkerAvoid",
-    )
-    every = [f"{task}/{control}" for task in tasks for control in ("joint", "shared")]
+    every = [f"{task}/{control}" for task in TASKS for control in CONTROLS]
     for name in wanted.only or every:
         form = chosen(wanted, name)
         if form is None:

@@ -81,7 +81,7 @@ def _check_world(environment: Mapping[str, Any], config: TransportConfig) -> Non
     here = f"coopenv.{type(config.task).__name__}"
     if kind in ours and here in ours and kind != here:
         raise InvalidInput(
-            f"task must be the {str(kind).rpartition('.')[2]} that the policy was trained in, got a "
+            f"task must be the {str(kind).rpartition('.')[2]} that the policy was trained in, got "
             f"{type(config.task).__name__}; evaluate it in the environment that its file records, "
             "or train another policy"
         )
