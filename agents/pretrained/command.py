@@ -25,8 +25,8 @@ class Export:
 
     policy: Annotated[str, POSITIONAL]
     """File of a trained policy (policy.zip), or pretrained:BeamDoorway/joint and the like."""
-    out: Path
-    """File to write, .npz."""
+    out: Path | None = None
+    """File to write, .npz; beside the policy's by default."""
     trust: bool = False
     """Run what the file holds: pickles of Stable-Baselines3."""
 
@@ -34,17 +34,27 @@ class Export:
         """Read, write, say what came of it."""
         from .. import trained
         from .catalogue import read
+        from .names import file_of
 
-        if self.out.suffix != trained.SUFFIX:
+        source = file_of(self.policy)
+        out = self._out(source)
+        if out.suffix != trained.SUFFIX or out.absolute() == source.absolute():
             raise InvalidInput(
-                f"out must end in {trained.SUFFIX}, got {str(self.out)!r}; it is an archive of "
-                "arrays: rename it"
+                f"out must be another file that ends in {trained.SUFFIX}, got {str(out)!r}; it is "
+                "an archive of arrays: name one by --out"
             )
-        require_writable(self.out)
+        require_writable(out)
         with reading(self.policy):
             policy = read(self.policy, trust=self.trust)
         plain = policy if isinstance(policy, trained.PlainPolicy) else policy.plain()
-        plain.save(self.out)
+        plain.save(out)
         numbers = sum(array.size for array in plain.form.arrays.values())
-        size = self.out.stat().st_size
-        print(f"wrote {self.out}: {numbers:,} numbers, {size:,} bytes; nothing in it is code")
+        size = out.stat().st_size
+        print(f"wrote {out}: {numbers:,} numbers, {size:,} bytes; nothing in it is code")
+
+    def _out(self, source: Path) -> Path:
+        from .names import is_name
+
+        if self.out is not None:
+            return self.out
+        return Path(source.name) if is_name(self.policy) else source.with_suffix(".npz")

@@ -33,8 +33,7 @@ def expanded(name: str) -> tuple[str, ...]:
     """
     if not is_name(name):
         return (name,)
-    wanted = name.partition(":")[2].removeprefix(_ENV).replace(_VERSION, "")
-    known = shipped()
+    wanted, known = _wanted(name), shipped()
     found = [each for each in known if wanted in ("", each, each.partition("/")[0])]
     if not found:
         raise UnknownName("pretrained policy", wanted, known)
@@ -47,12 +46,17 @@ def file_of(name: str | os.PathLike) -> Path:
     Raises
     ------
     UnknownName
-        If no policy of the package has that name, or several have.
+        If no single policy of the package has that name.
     """
     text = os.fspath(name)
     if not is_name(text):
         return Path(text)
-    found = expanded(text)
-    if len(found) > 1:
-        raise UnknownName("single pretrained policy", text.partition(":")[2], shipped())
-    return _HERE / f"{found[0].partition(':')[2].replace('/', '_')}.npz"
+    wanted, known = _wanted(text), shipped()
+    if wanted not in known:
+        raise UnknownName("single pretrained policy", wanted, known)
+    return _HERE / f"{wanted.replace('/', '_')}.npz"
+
+
+def _wanted(name: str) -> str:
+    """What stands behind the colon, without what an id has more than a task."""
+    return name.partition(":")[2].removeprefix(_ENV).replace(_VERSION, "")

@@ -59,8 +59,12 @@ def test_export_writes_a_policy_that_evaluate_takes(tmp_path, capsys):
     sb3 = pytest.importorskip("coopenv.agents.sb3")
     zipped, out = tmp_path / "policy.zip", tmp_path / "carry.npz"
     sb3.SB3Policy.load(pretrained.file_of(JOINT)).save(zipped)
+    assert cli.main(["export", str(zipped)]) == 0
+    assert (tmp_path / "policy.npz").is_file()
     assert cli.main(["export", str(zipped), "--out", str(out)]) == 0
     assert f"wrote {out}: " in capsys.readouterr().out
+    assert cli.main(["export", str(out)]) == 1
+    assert "out must be another file" in capsys.readouterr().err
     assert read_notes(out)["provenance"] == read_notes(pretrained.file_of(JOINT))["provenance"]
     assert cli.main(["evaluate", str(out), "--episodes=2"]) == 0
     assert "carry.npz" in capsys.readouterr().out
@@ -70,7 +74,7 @@ def test_export_writes_a_policy_that_evaluate_takes(tmp_path, capsys):
     ("arguments", "match"),
     [
         (["nowhere.zip", "--out", "a.npz"], "policy must be the file of a trained policy"),
-        ([JOINT, "--out", "a.zip"], "out must end in .npz, got 'a.zip'"),
+        ([JOINT, "--out", "a.zip"], "out must be another file that ends in .npz, got 'a.zip'"),
         ([JOINT, "--out", "no/folder/a.npz"], "no/folder"),
     ],
 )
@@ -89,7 +93,7 @@ def test_replay_films_one_by_name_and_by_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     PlainPolicy(plain()).save(tmp_path / "policy.npz")
     for what, steps in ((JOINT, ""), ("policy.npz", "6 steps")):
-        assert cli.main(["replay", what, "--fps=1", "--width=120", "--out=film.gif"]) == 0
+        assert cli.main(["replay", what, "--fps=1", "--width=160", "--out=film.gif"]) == 0
         said = capsys.readouterr().out
         assert f"{what} in coopenv/BeamTransport-v0" in said
         assert steps in said

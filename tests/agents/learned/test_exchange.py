@@ -100,7 +100,8 @@ def test_the_record_of_its_environment_goes_along(tmp_path):
 
 def test_a_damaged_copy_is_refused_in_our_words_or_read_whole(tmp_path):
     whole = tmp_path / "policy.npz"
-    SB3Policy(trained("PPO", normalized())).plain().save(whole)
+    policy = SB3Policy(trained("PPO", normalized()), notes=small().to_notes())
+    policy.plain().save(whole)
     for read, seed in ((PlainPolicy.load, 1), (SB3Policy.load, 2)):
         counts = damage.refused_or_whole(
             damage.damaged_archive, whole, tmp_path / "copy.npz", read, times=150, seed=seed
