@@ -125,7 +125,7 @@ class Evaluation:
 
     def plain(self) -> dict[str, Any]:
         """As JSON can hold it: NaN as None."""
-        return _without_nan(asdict(self))
+        return {name: _without_nan(value) for name, value in asdict(self).items()}
 
 
 def success_of(seen: Episodes) -> tuple[float, tuple[float, float]]:

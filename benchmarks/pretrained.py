@@ -19,7 +19,7 @@ from benchmarks.pages import DOCS, fill, markdown
 from coopenv.agents.evaluate import Evaluation, evaluate
 from coopenv.agents.pretrained import names
 from coopenv.agents.pretrained.catalogue import ROW
-from coopenv.agents.pretrained.names import CONTROLS, WORD, file_of
+from coopenv.agents.pretrained.naming import CONTROLS, WORD, file_of
 from coopenv.agents.provenance import KEY, Provenance
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.trained.form import SUFFIX, Form, read_form

@@ -117,7 +117,7 @@ def _said(policy: Any, names: Mapping[int, str]) -> dict[str, Any]:
 
 def _parts(policy: Any) -> tuple[Any, list[Any], str, Any]:
     """Extractor, what comes after it, the kind of output, and its spread."""
-    actor = getattr(policy, "actor", None)
+    actor: Any = getattr(policy, "actor", None)
     if isinstance(policy, ActorCriticPolicy) and type(policy.mlp_extractor) is MlpExtractor:
         if hasattr(policy, "lstm_actor"):
             raise NotPlain("a memory (LSTM)")

@@ -23,7 +23,7 @@ from coopenv.transition import Transition
 
 from ..policy import Freezable, Resettable, Seat, Seatable, Seedable, Stateful, forget
 from ..pretrained.catalogue import FILES, read
-from ..pretrained.names import file_of, is_name
+from ..pretrained.naming import file_of, is_name
 from ..trained.archive import existing
 
 _ACTIONS = "actions of the partner's policy"

@@ -11,7 +11,7 @@ from ..policy import Policy
 from ..trained.archive import read_notes
 from ..trained.form import is_plain
 from ..trained.policy import PlainPolicy
-from .names import CONTROLS, WORD, file_of, is_name, shipped
+from .naming import CONTROLS, WORD, file_of, is_name, shipped
 
 if TYPE_CHECKING:
     from ..learned import SB3Policy

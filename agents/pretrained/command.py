@@ -34,7 +34,7 @@ class Export:
         """Read, write, say what came of it."""
         from .. import trained
         from .catalogue import read
-        from .names import file_of
+        from .naming import file_of
 
         source = file_of(self.policy)
         out = self._out(source)
@@ -53,7 +53,7 @@ class Export:
         print(f"wrote {out}: {numbers:,} numbers, {size:,} bytes; nothing in it is code")
 
     def _out(self, source: Path) -> Path:
-        from .names import is_name
+        from .naming import is_name
 
         if self.out is not None:
             return self.out

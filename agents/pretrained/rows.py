@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from ..evaluation import Evaluation
 from .catalogue import row_of
-from .names import is_name
+from .naming import is_name
 
 
 def told(seen: Mapping[str, Evaluation]) -> list[str]:

@@ -23,7 +23,7 @@ _LOG_STD = -20.0, 2.0  # of a spread that a layer gives, as Stable-Baselines3 bo
 
 def _sigmoid(x: Rows) -> Rows:
     with np.errstate(over="ignore"):  # of exp, where the answer is 0
-        return 1 / (1 + np.exp(-x))
+        return np.float32(1) / (np.float32(1) + np.exp(-x))
 
 
 def _elu(x: Rows) -> Rows:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from coopenv.agents.pretrained.names import file_of, is_name
+from coopenv.agents.pretrained.naming import file_of, is_name
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust, is_trusted

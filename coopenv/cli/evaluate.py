@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typing_extensions import Self
 
-from coopenv.agents.pretrained.names import expanded
+from coopenv.agents.pretrained.naming import expanded
 from coopenv.agents.pretrained.rows import told
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from coopenv.agents.pretrained.names import is_name
+from coopenv.agents.pretrained.naming import is_name
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.files import reading

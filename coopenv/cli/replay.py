@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from coopenv.agents.pretrained.names import is_name
+from coopenv.agents.pretrained.naming import is_name
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
 from coopenv.agents.trained.form import is_plain

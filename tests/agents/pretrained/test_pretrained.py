@@ -13,7 +13,7 @@ from coopenv.agents import load, pretrained
 from coopenv.agents.evaluate import evaluate, run_episodes
 from coopenv.agents.partners import LearnedPartner
 from coopenv.agents.policy import RandomPolicy
-from coopenv.agents.pretrained.names import expanded
+from coopenv.agents.pretrained.naming import expanded
 from coopenv.agents.pretrained.rows import agree, told
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.trained import PlainPolicy, read_notes
