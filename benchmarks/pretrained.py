@@ -44,6 +44,8 @@ class Pretrained:
     """Folder of runs to compare them with."""
     revision: str = ""
     """Commit of the code that trained those runs."""
+    after: int | None = None
+    """Steps of the run that they went on from, if they did."""
     only: tuple[str, ...] = ()
     """BeamDoorway/joint and the like; none: all."""
     episodes: int = 500
@@ -52,7 +54,7 @@ class Pretrained:
     """Keep files, rows and tables."""
 
 
-def taken(folder: Path, name: str, revision: str) -> Form | None:
+def taken(wanted: Pretrained, folder: Path, name: str) -> Form | None:
     """The policy of a run as the package ships it; ``None`` where there is no such run."""
     file = folder / name.replace("/", "_") / "policy.zip"
     if not file.is_file():
@@ -63,10 +65,13 @@ def taken(folder: Path, name: str, revision: str) -> Form | None:
     provenance = Provenance.from_notes(form.notes)
     assert provenance is not None
     command = command_of(provenance.training)
+    if wanted.after is not None:
+        before = command_of({**provenance.training, "steps": wanted.after})
+        command = f"{before} && {command}"
     training = {**provenance.training, "out": f"runs/{name.replace('/', '_')}"}
     named = replace(provenance, training=training, command=shlex.split(command))
     return replace(
-        form, notes={**named.to_notes(), MADE: {"command": command, "revision": revision}}
+        form, notes={**named.to_notes(), MADE: {"command": command, "revision": wanted.revision}}
     )
 
 
@@ -107,7 +112,7 @@ def chosen(wanted: Pretrained, name: str) -> Form | None:
     if name in names():
         found.append(read_form(file_of(f"{WORD}:{name}")))
     if wanted.take is not None:
-        found += [form for form in [taken(wanted.take, name, wanted.revision)] if form]
+        found += [form for form in [taken(wanted, wanted.take, name)] if form]
     forms = [measured(form, name, wanted.episodes) for form in found]
     return better(*forms) if len(forms) == 2 else next(iter(forms), None)
 

@@ -11,7 +11,7 @@ from ..policy import Policy
 from ..trained.archive import read_notes
 from ..trained.form import is_plain
 from ..trained.policy import PlainPolicy
-from .naming import CONTROLS, WORD, file_of, is_name, shipped
+from .naming import CONTROLS, file_of, named, shipped
 
 if TYPE_CHECKING:
     from ..learned import SB3Policy
@@ -65,9 +65,8 @@ def load(
         return read(text, deterministic=deterministic, seed=seed, trust=trust)
     if control not in (None, *CONTROLS):
         raise InvalidInput(f"control must be one of {', '.join(CONTROLS)}, got {control!r}; fix it")
-    name = text if is_name(text) else f"{WORD}:{text}"
-    chosen = name if control is None and "/" in name else f"{name}/{control or CONTROLS[0]}"
-    return read(chosen, deterministic=deterministic, seed=seed)
+    name = named(text, control)
+    return read(name, deterministic=deterministic, seed=seed)
 
 
 def read(

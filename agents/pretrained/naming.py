@@ -40,6 +40,13 @@ def expanded(name: str) -> tuple[str, ...]:
     return tuple(f"{WORD}:{each}" for each in found)
 
 
+def named(task: str, control: str | None = None) -> str:
+    """The name of the policy of a task, an id or such a name; that of the team by default."""
+    wanted = _wanted(task if is_name(task) else f"{WORD}:{task}")
+    whole = control is None and "/" in wanted
+    return f"{WORD}:{wanted}" if whole else f"{WORD}:{wanted}/{control or CONTROLS[0]}"
+
+
 def file_of(name: str | os.PathLike) -> Path:
     """The file behind the name of a policy, which may be the file itself.
 

@@ -7,20 +7,19 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self
 
-from coopenv.arrays import IntArray
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
-from ..noise import EpisodeKeys, normals, uniforms
+from ..noise import Keyed, normals, uniforms
 from ..policy import Seat
 from .form import Form, read_form, write_form
 from .record import check_trained_on
 from .seat import seat_of
 
 
-class PlainPolicy:
+class PlainPolicy(Keyed):
     """A trained policy as a `coopenv.agents.policy.Policy` that needs no torch.
 
     It acts as the policy that it was made of, to the rounding of single precision: in the mean, or
@@ -48,7 +47,8 @@ class PlainPolicy:
                 f"deterministic must be True for a policy of {form.algorithm}, which has one way "
                 "of acting, got False; leave it out"
             )
-        self._seed, self._keys = seed, EpisodeKeys(seed)
+        super().__init__(seed)
+        self._seed = seed
 
     @classmethod
     def load(cls, path: str | os.PathLike, *, deterministic: bool = True, seed: int = 0) -> Self:
@@ -100,18 +100,6 @@ class PlainPolicy:
     def check_environment(self, core: Transport) -> None:
         """Raise `InvalidInput` if ``core`` is not what it was trained on, as far as that shows."""
         check_trained_on(self.form.notes, core, self.form.spaces.check_environment(core))
-
-    def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
-        """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
-        self._keys.seed(seeds, worlds)
-
-    def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
-        """Random numbers of ``worlds``; see `coopenv.agents.policy.Stateful`."""
-        return {"keys": self._keys.get_state(worlds, num_worlds)}
-
-    def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
-        """Go on in ``worlds`` from what `get_state` returned."""
-        self._keys.set_state(state["keys"], worlds, num_worlds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, learner, action_size)``, or numbers of pushes ``(world, learner)``.
