@@ -46,26 +46,26 @@ def plain_form(
         If it acts by something else than layers one after the other.
     """
     policy: Any = model.policy
-    state = policy.state_dict()
     names = {id(value): name for name, value in _tensors(policy)}
+    state = policy.state_dict()
+    arrays = {name: np.array(value.detach().cpu().numpy()) for name, value in state.items()}
     try:
-        said = _said(policy, names)
-    except NotPlain as error:
+        return Form.of(
+            _said(policy, names),
+            (model.observation_space, model.action_space),
+            arrays,
+            algorithm=name_of(type(model)),
+            normalization=normalization,
+            blueprint=blueprint_of(model),
+            notes=notes,
+        )
+    except InvalidInput:
+        raise
+    except (KeyError, ValueError) as error:
         raise InvalidInput(
             "policy must act by dense layers one after the other to be written in plain numbers, "
             f"got {error} of {type(model).__name__}; keep its .zip, which SB3Policy.save wrote"
         ) from error
-    arrays = {name: np.array(value.detach().cpu().numpy()) for name, value in state.items()}
-    spaces = model.observation_space, model.action_space
-    return Form.of(
-        said,
-        spaces,
-        arrays,
-        algorithm=name_of(type(model)),
-        normalization=normalization,
-        blueprint=blueprint_of(model),
-        notes=notes,
-    )
 
 
 def model_of(form: Form, algorithm: type[BaseAlgorithm] | None, source: str) -> BaseAlgorithm:

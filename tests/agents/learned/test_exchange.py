@@ -107,3 +107,11 @@ def test_a_damaged_copy_is_refused_in_our_words_or_read_whole(tmp_path):
             damage.damaged_archive, whole, tmp_path / "copy.npz", read, times=150, seed=seed
         )
         assert counts["refused"] > 75
+
+
+def test_a_policy_whose_choices_are_masked_is_refused_and_named():
+    masked = pytest.importorskip("sb3_contrib").MaskablePPO
+    venv = sb3.make_vec_env("coopenv/BeamTransport-v0", 2, seed=5, action="discrete")
+    model = masked("MlpPolicy", venv, device="cpu", policy_kwargs={"net_arch": [8]})
+    with pytest.raises(InvalidInput, match=r"dense layers .* of MaskablePPO; keep its \.zip"):
+        SB3Policy(model).plain()
