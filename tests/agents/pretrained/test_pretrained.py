@@ -62,7 +62,7 @@ def test_each_succeeds_as_its_file_says(name):
     assert row is not None
     assert row.episodes == 500
     assert agree(seen, row)
-    np.testing.assert_allclose(seen.relative_cost, row.relative_cost, atol=0.02)
+    np.testing.assert_allclose(seen.relative_cost, row.relative_cost, atol=0.05)
 
 
 def test_rows_of_others_are_told_apart():
