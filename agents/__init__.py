@@ -1,5 +1,9 @@
 """Agents: scripted controllers, learned policies, partners, training and evaluation.
 
-``policy`` and ``controllers`` need nothing beyond the core; ``sb3`` and ``train`` need the extra
-``train``.
+``policy``, ``controllers`` and `load` of what the package brings need nothing beyond the core;
+``sb3`` and ``train`` need the extra ``train``.
 """
+
+from .pretrained import load
+
+__all__ = ["load"]

@@ -3,17 +3,17 @@
 import csv
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from math import isnan, nan, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from typing_extensions import Self
 
 from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
-from coopenv.files import document, written
+from coopenv.files import document, plain, written
 from coopenv.info import COST
 
 from .episodes import Episodes
@@ -97,6 +97,35 @@ class Evaluation:
             cost=float(seen.costs[COST].mean()) if COST in seen.costs else nan,
         )
 
+    @classmethod
+    def from_dict(cls, given: Any) -> Self:
+        """What `plain` wrote.
+
+        Raises
+        ------
+        InvalidInput
+            If it is something else.
+        """
+        try:
+            known = {entry.name: entry for entry in fields(cls)}
+            values = {name: _revived(value) for name, value in given.items() if name in known}
+            made = cls(**values)
+            for name in ("success_rate", "success_time", "relative_cost"):
+                float(getattr(made, name))
+            low, high = made.success_interval
+            if not 0 <= low <= made.success_rate <= high <= 1:
+                raise ValueError("success is outside of its interval")
+        except (AttributeError, TypeError, ValueError) as error:
+            raise InvalidInput(
+                f"evaluation must be one as a policy's file has it, got {given!r:.60} ({error}); "
+                "copy the file again"
+            ) from error
+        return made
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON can hold it: NaN as None."""
+        return plain(self)
+
 
 def success_of(seen: Episodes) -> tuple[float, tuple[float, float]]:
     """Success rate and its 95 % interval."""
@@ -155,12 +184,11 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
 def save(evaluations: Sequence[Evaluation], path: str | os.PathLike) -> None:
     """Write the evaluations to a ``.json`` or ``.csv`` file (there, one column an agent)."""
     kind = table_format(path)
-    rows = [asdict(seen) for seen in evaluations]
     with written(path) as part:
         if kind == ".json":
-            part.write_text(document(rows) + "\n")
+            part.write_text(document(evaluations) + "\n")
             return
-        flat = [_flat(row) for row in rows]
+        flat = [_flat(asdict(seen)) for seen in evaluations]
         with part.open("w", newline="") as file:
             names = dict.fromkeys(name for row in flat for name in row)  # teams differ in size
             writer = csv.DictWriter(file, list(names))
@@ -181,6 +209,13 @@ def _defined_means(values: FloatArray) -> tuple[float, ...]:
     defined = ~np.isnan(values)
     means = np.nansum(values, axis=0) / np.maximum(defined.sum(axis=0), 1)
     return tuple(np.where(defined.any(axis=0), means, nan).tolist())
+
+
+def _revived(value: Any) -> Any:
+    """What was written as JSON."""
+    if isinstance(value, list):
+        return tuple(map(_revived, value))
+    return nan if value is None else value
 
 
 def _flat(row: dict) -> dict:

@@ -1,5 +1,7 @@
 """Random numbers of policies, keyed by episode and step: the same beside any number of episodes."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,6 +12,31 @@ from coopenv.transition import Transition
 
 _UNSEEDED, _SEEDED = np.uint64(0), np.uint64(1)  # branches of the policy's key
 _NEXT, _STEPS = np.uint64(0), np.uint64(1)  # branches of an episode's key
+
+
+class Keyed:
+    """A policy that remembers nothing of an episode but the key of its random numbers.
+
+    Parameters
+    ----------
+    seed
+        As of `EpisodeKeys`.
+    """
+
+    def __init__(self, seed: int = 0):
+        self._keys = EpisodeKeys(seed)
+
+    def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
+        """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
+        self._keys.seed(seeds, worlds)
+
+    def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
+        """Keys of ``worlds``; see `coopenv.agents.policy.Stateful`."""
+        return {"keys": self._keys.get_state(worlds, num_worlds)}
+
+    def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
+        """Go on in ``worlds`` from what `get_state` returned."""
+        self._keys.set_state(state["keys"], worlds, num_worlds)
 
 
 class EpisodeKeys:

@@ -13,7 +13,7 @@ from coopenv.observation.bounds import Bounds
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
-from .noise import EpisodeKeys, uniforms
+from .noise import Keyed, uniforms
 
 
 class Policy(Protocol):
@@ -145,7 +145,7 @@ def forget(policy: Policy, mask: BoolArray, seeds: Sequence[int] | None = None) 
         policy.seed_episodes(np.asarray(seeds, dtype=np.int64))
 
 
-class RandomPolicy:
+class RandomPolicy(Keyed):
     """Uniform actions, independent in every step.
 
     They are keyed by seed, episode and step: an episode of an evaluation gets the same actions
@@ -160,20 +160,8 @@ class RandomPolicy:
     """
 
     def __init__(self, config: TransportConfig, seed: int = 0):
-        self._keys = EpisodeKeys(seed)
+        super().__init__(seed)
         self._width, self._table = ACTIONS[config.action], config.table
-
-    def seed_episodes(self, seeds: IntArray, worlds: IntArray | None = None) -> None:
-        """Seeds ``(world,)`` of the episodes that begin now, in every world or in ``worlds``."""
-        self._keys.seed(seeds, worlds)
-
-    def get_state(self, worlds: IntArray, num_worlds: int) -> dict[str, Any]:
-        """See `Stateful`."""
-        return {"keys": self._keys.get_state(worlds, num_worlds)}
-
-    def set_state(self, state: dict[str, Any], worlds: IntArray, num_worlds: int) -> None:
-        """See `Stateful`."""
-        self._keys.set_state(state["keys"], worlds, num_worlds)
 
     def __call__(self, obs: npt.NDArray, transition: Transition) -> npt.NDArray:
         """Actions ``(world, agent, action_size)``, or numbers of pushes ``(world, agent)``."""

@@ -121,7 +121,7 @@ class Provenance:
         InvalidInput
             If the file cannot be read, or is of another format.
         """
-        from .learned import read_notes
+        from .trained import read_notes
 
         return cls.from_notes(read_notes(path), f"policy {os.fspath(path)!r}")
 
@@ -139,7 +139,7 @@ class Provenance:
         return cls.from_notes(notes if isinstance(notes, dict) else {}, os.fspath(path))
 
     def to_notes(self) -> dict[str, Any]:
-        """An entry for `coopenv.agents.learned.NOTES`."""
+        """An entry for `coopenv.agents.trained.NOTES`."""
         return {KEY: {"format": FORMAT, **asdict(self)}}
 
     def config(self, *, trust: Trust = False) -> TransportConfig:

@@ -71,7 +71,7 @@ class EnvironmentChoice:
     """Who drives the last agent of a beam, or the human of a walker: impedance, leader, follower,
     lagging, noisy, stubborn, load_sharing, switching, population, walking, robot, and with motions
     compliant, guiding (coopenv.agents.partners), or the file of a trained policy:
-    path/policy.zip."""
+    path/policy.zip, or pretrained:BeamTransport/joint and the like."""
 
     body: tuple[str, ...] = ()
     """Numbers of the body: mass=4 linear_drag=2 "grips=[[-0.9, 0], [0.9, 0]]"."""

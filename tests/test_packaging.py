@@ -15,6 +15,7 @@ import pytest
 from coopenv.files import toml
 
 ROOT = Path(__file__).parent.parent
+POLICIES = ROOT / "agents" / "pretrained"
 LINKED = ("rewards", "agents")  # coopenv/<name> is a link to the folder beside coopenv
 
 pytestmark = pytest.mark.skipif(
@@ -81,6 +82,15 @@ def test_the_wheel_holds_every_module(distribution):
     names = set(zipfile.ZipFile(distribution[1]).namelist())
     assert {name for name in names if name.endswith(".py")} == modules()
     assert {"coopenv/rewards/__init__.py", "coopenv/agents/__init__.py"} <= names
+
+
+def test_the_wheel_holds_the_policies_that_come_with_it(distribution):
+    policies = {f"coopenv/agents/pretrained/{path.name}" for path in POLICIES.glob("*.npz")}
+    with zipfile.ZipFile(distribution[1]) as wheel:
+        sizes = {name: wheel.getinfo(name).file_size for name in wheel.namelist()}
+    assert policies
+    assert {name for name in sizes if name.endswith(".npz")} == policies
+    assert sum(sizes[name] for name in policies) < 1_000_000
 
 
 def test_the_wheel_says_that_it_is_typed(distribution):

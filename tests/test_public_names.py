@@ -19,6 +19,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         "beam_tracking_v0", "beam_transport_v0", "register", "rewards",
         "walker_avoid_v0", "walker_turn_v0", "wrench",
     ),
+    "coopenv.agents": ("load",),
     "coopenv.agents.controllers": (
         "Gains", "ImpedanceController", "RandomPolicy", "approach", "wrapped",
     ),
@@ -30,6 +31,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         "LearnedPartner", "LoadSharing", "Noisy", "Person", "PolicyPartner", "Population",
         "Stubborn", "Switching", "find_partner", "partner_of",
     ),
+    "coopenv.agents.pretrained": ("file_of", "load", "names", "read", "row_of"),
     "coopenv.agents.sb3": (
         "FallingRate", "SB3Policy", "Scaled", "TransportVecEnv", "feature_scale", "make_vec_env",
         "recommended",
@@ -37,6 +39,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "coopenv.agents.settings": ("EnvironmentChoice", "TrainConfig"),
     "coopenv.agents.studies.people": ("People",),
     "coopenv.agents.torchrl": ("TransportTorchEnv", "feature_scale", "make_env"),
+    "coopenv.agents.trained": ("NOTES", "PlainPolicy", "read_notes"),
     "coopenv.agents.train": ("EnvironmentChoice", "TrainConfig", "train"),
     "coopenv.arrays": ("FloatArray",),
     "coopenv.beam_doorway_v0": VIEWS,

@@ -1,8 +1,8 @@
 """Learned policies: models of Stable-Baselines3 and sb3-contrib, as they were trained."""
 
-from .archive import NOTES, read_notes
+from ..trained.archive import NOTES, read_notes
+from ..trained.normalization import Normalization
 from .files import load_model, save_model
-from .normalization import Normalization
 from .policy import SB3Policy
 from .scaling import FallingRate, Scaled
 

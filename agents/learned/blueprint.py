@@ -17,9 +17,9 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from coopenv.errors import InvalidInput
 
-from .plain import NotPlain, revived, shown
+from ..trained.spaces import NotPlain, plain_space, space_of
+from .plain import revived, shown
 from .scaling import FallingRate
-from .spaces import plain_space, space_of
 from .still import Still
 
 FORMAT = 1  # raised when a blueprint of before would mean something else
@@ -66,6 +66,17 @@ def blueprint_of(model: BaseAlgorithm) -> dict[str, Any]:
         }
     except NotPlain as error:
         return {"format": FORMAT, "needs_trust": str(error)}
+
+
+def check_format(blueprint: Mapping[str, Any], source: str) -> Mapping[str, Any]:
+    """The blueprint in ``source``, if it is of a format that `build` knows; else `InvalidInput`."""
+    if blueprint.get("format") != FORMAT:
+        raise InvalidInput(
+            f"blueprint of a policy must be of format {FORMAT}, got "
+            f"{blueprint.get('format')!r:.40} in {source!r}; read it with the coopenv that wrote "
+            "it, or a newer one"
+        )
+    return blueprint
 
 
 def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: int) -> Any:

@@ -19,9 +19,19 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.sb3", "train") from error
 
+from ..trained.archive import (
+    NOTES,
+    PLAIN,
+    existing,
+    first_line,
+    notes_in,
+    object_in,
+    opened,
+)
+from ..trained.form import read_form
 from .algorithms import algorithm_of, find_algorithm, missing_contrib, name_of
-from .archive import NOTES, existing, first_line, notes_in, object_in, opened
-from .blueprint import FORMAT, blueprint_of, build
+from .blueprint import blueprint_of, build, check_format
+from .exchange import model_of
 from .finite import require_finite
 from .normalization import Normalization, trained_normalized
 from .weights import put_weights, read_weights
@@ -81,7 +91,7 @@ def load_model(
     *,
     trust: bool = False,
 ) -> Saved:
-    """Read a file that `save_model` wrote; with ``trust`` any that SB3 itself wrote as well.
+    """Read a file that `save_model` wrote, or in plain numbers; with ``trust`` any of SB3 itself.
 
     Parameters
     ----------
@@ -102,6 +112,8 @@ def load_model(
     file = existing(Path(path))
     with opened(file) as archive:
         notes = notes_in(archive, file)
+        if PLAIN in archive.namelist():
+            return _from_plain(file, algorithm)
         try:
             entries = object_in(archive, "data", file)
             if trust:
@@ -124,11 +136,7 @@ def load_model(
                 f"({error}); put their module on the path"
             ) from error
         except Exception as error:  # what is unpickled and filled in can raise anything
-            raise InvalidInput(
-                f"policy must be a whole file of the algorithm that wrote it, got {str(file)!r} "
-                f"({type(error).__name__}: {first_line(error)}); copy it again, or name another "
-                "algorithm="
-            ) from error
+            raise _not_whole(file, error) from error
     require_finite(model, f"of {str(file)!r}")
     return Saved(
         model=model,
@@ -136,6 +144,33 @@ def load_model(
         normalization=statistics,
         is_normalized=notes.get(_NORMALIZED),
         traces=_TRACES in entries,
+    )
+
+
+def _from_plain(file: Path, algorithm: type[BaseAlgorithm] | None) -> Saved:
+    """What a file in plain numbers holds; its model's optimiser is new."""
+    form = read_form(file)
+    try:
+        model = model_of(form, algorithm, str(file))
+    except (InvalidInput, MissingExtra):
+        raise
+    except Exception as error:  # what is filled in can raise anything
+        raise _not_whole(file, error) from error
+    if form.normalization is not None:  # as of `_built`
+        setattr(model, _TRACES, np.zeros(model.observation_space.shape or ()))
+    return Saved(
+        model=model,
+        notes=dict(form.notes),
+        normalization=form.normalization,
+        is_normalized=form.normalization is not None,
+        traces=False,
+    )
+
+
+def _not_whole(file: Path, error: Exception) -> InvalidInput:
+    return InvalidInput(
+        f"policy must be a whole file of the algorithm that wrote it, got {str(file)!r} "
+        f"({type(error).__name__}: {first_line(error)}); copy it again, or name another algorithm="
     )
 
 
@@ -172,16 +207,10 @@ def _built(
 
 def _plain_blueprint(
     archive: zipfile.ZipFile, notes: Mapping[str, Any], file: Path
-) -> dict[str, Any]:
+) -> Mapping[str, Any]:
     """The blueprint in an archive; raises `InvalidInput` where there is none."""
     if _BLUEPRINT in archive.namelist():
-        blueprint = object_in(archive, _BLUEPRINT, file)
-        if blueprint.get("format") != FORMAT:
-            raise InvalidInput(
-                f"blueprint of a policy must be of format {FORMAT}, got "
-                f"{blueprint.get('format')!r:.40} in {str(file)!r}; read it with the coopenv that "
-                "wrote it, or a newer one"
-            )
+        blueprint = check_format(object_in(archive, _BLUEPRINT, file), str(file))
         if "needs_trust" not in blueprint:
             return blueprint
         why = f"which is made with {blueprint['needs_trust']!s:.160}"

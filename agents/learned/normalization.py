@@ -1,90 +1,40 @@
 """Normalisation of observations: statistics of a ``VecNormalize`` that a policy needs to act."""
 
-import io
 import os
 import pickle
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
-import numpy.typing as npt
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
-from typing_extensions import Self
 
-from coopenv.arrays import FloatArray
 from coopenv.errors import InvalidInput
 
+from ..trained.normalization import Normalization
 from .record import has_learned_in_its_environment, learned_so_far
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Normalization:
-    """(obs − mean) / √(variance + epsilon), within ± clip: as ``VecNormalize`` does it."""
-
-    mean: FloatArray  # (feature,), in the observation's units
-    variance: FloatArray  # (feature,)
-    epsilon: float
-    clip: float
-
-    @classmethod
-    def of(cls, venv: VecNormalize) -> Self | None:
-        """The statistics as they are now; ``None`` if only rewards are normalised."""
-        if not venv.norm_obs:
-            return None
-        rms = venv.obs_rms
-        if not isinstance(rms, RunningMeanStd):
-            raise InvalidInput(
-                "VecNormalize must be of observations in one array, got a dict; use TransportVecEnv"
-            )
-        return cls(
-            mean=np.asarray(rms.mean, dtype=np.float64),
-            variance=np.asarray(rms.var, dtype=np.float64),
-            epsilon=float(venv.epsilon),
-            clip=float(venv.clip_obs),
-        )
-
-    def __call__(self, rows: npt.NDArray) -> npt.NDArray[np.float32]:
-        """Normalised observations ``(row, feature)``."""
-        scaled = (rows - self.mean) / np.sqrt(self.variance + self.epsilon)
-        return np.clip(scaled, -self.clip, self.clip).astype(np.float32)
-
-    def to_bytes(self) -> bytes:
-        """As an NPZ archive of plain arrays."""
-        buffer = io.BytesIO()
-        np.savez(
-            buffer,
-            mean=self.mean,
-            variance=self.variance,
-            epsilon=np.float64(self.epsilon),
-            clip=np.float64(self.clip),
-        )
-        return buffer.getvalue()
-
-    @classmethod
-    def from_bytes(cls, data: bytes) -> Self:
-        """What `to_bytes` wrote; raises `ValueError`, or of another kind, for anything else."""
-        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            mean, variance = (arrays[name].astype(np.float64) for name in ("mean", "variance"))
-            found = cls(
-                mean=mean,
-                variance=variance,
-                epsilon=float(arrays["epsilon"]),
-                clip=float(arrays["clip"]),
-            )
-        numbers = np.concatenate([mean, variance, [found.epsilon, found.clip]])
-        if mean.shape != variance.shape or not np.isfinite(numbers).all() or found.clip <= 0:
-            raise ValueError("its statistics are no finite means and variances")
-        if (variance + found.epsilon <= 0).any():
-            raise ValueError("its statistics have variances that are not positive")
-        return found
-
-
 Normalize = bool | str | os.PathLike | VecNormalize | Normalization | None
+
+
+def statistics_of(venv: VecNormalize) -> Normalization | None:
+    """Those of observations, as they are now; ``None`` if only rewards are normalised."""
+    if not venv.norm_obs:
+        return None
+    rms = venv.obs_rms
+    if not isinstance(rms, RunningMeanStd):
+        raise InvalidInput(
+            "VecNormalize must be of observations in one array, got a dict; use TransportVecEnv"
+        )
+    return Normalization(
+        mean=np.asarray(rms.mean, dtype=np.float64),
+        variance=np.asarray(rms.var, dtype=np.float64),
+        epsilon=float(venv.epsilon),
+        clip=float(venv.clip_obs),
+    )
 
 
 def find_normalization(
@@ -116,7 +66,7 @@ def find_normalization(
             )
         found = _read(Path(normalize))
     if isinstance(found, VecNormalize):
-        found = Normalization.of(found)
+        found = statistics_of(found)
         if found is None:
             return None
     if not isinstance(found, Normalization):
@@ -175,10 +125,10 @@ class Statistics:
             If there were some, and they are not known.
         """
         if self._holds_given:
-            return self._given if self._live is None else Normalization.of(self._live)
+            return self._given if self._live is None else statistics_of(self._live)
         venv = self._model.get_vec_normalize_env()
         if venv is not None:
-            return Normalization.of(venv)
+            return statistics_of(venv)
         if not has_learned_in_its_environment(self._model) and trained_normalized(self._model):
             raise InvalidInput(
                 "normalize must be given for a model that was trained behind a VecNormalize, got "

@@ -10,6 +10,7 @@ import torch
 from stable_baselines3.common.sb2_compat.rmsprop_tf_like import RMSpropTFLike
 from stable_baselines3.common.torch_layers import FlattenExtractor
 
+from ..trained.spaces import NotPlain
 from .scaling import FallingRate, Scaled
 
 _OPTIMIZERS = ("Adadelta", "Adagrad", "Adam", "AdamW", "Adamax", "NAdam", "RAdam", "RMSprop", "SGD")
@@ -24,10 +25,6 @@ CLASSES: Mapping[str, type] = {  # all that a file may name; nothing is imported
     "stable_baselines3.FlattenExtractor": FlattenExtractor,
     "coopenv.agents.sb3.Scaled": Scaled,
 }
-
-
-class NotPlain(ValueError):
-    """A value that no plain one stands for; the message is what it is."""
 
 
 def shown(value: Any) -> Any:

@@ -13,20 +13,22 @@ from typing_extensions import Self
 from coopenv.arrays import BoolArray, IntArray
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
-from coopenv.observation import Observation
 from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from ..noise import EpisodeKeys
 from ..policy import Seat
+from ..trained.policy import PlainPolicy
+from ..trained.record import RECORD, check_trained_on
+from ..trained.seat import seat_of
+from ..trained.spaces import spaces_of
+from .exchange import plain_form
 from .files import copy_of, load_model, save_model, saved_normalization
 from .finite import DIVERGED, has_diverged
 from .memory import EpisodeMemory
 from .normalization import Normalization, Normalize, Statistics
-from .record import RECORD, check_trained_on, notes_now
+from .record import notes_now
 from .sampling import can_be_sampled, sampled
-from .seat import bounds_for, pushes_of, seats, seen_by
-from .spaces import spaces_of
 
 
 class SB3Policy:
@@ -76,9 +78,8 @@ class SB3Policy:
     ):
         self.model, self.deterministic = model, deterministic
         self.notes = dict(notes or {})
-        self._spaces = spaces_of(model)
-        self._features = self._spaces.features
-        self._statistics = Statistics(model, normalize, self._features, trust=trust)
+        self._spaces = spaces_of(model.observation_space, model.action_space, type(model).__name__)
+        self._statistics = Statistics(model, normalize, self._spaces.features, trust=trust)
         self._seed, self._keys = seed, EpisodeKeys(seed)
         self._memory = EpisodeMemory()
 
@@ -156,6 +157,20 @@ class SB3Policy:
             )
         save_model(self.model, path, notes=notes, normalization=self.normalization)
 
+    def plain(self) -> PlainPolicy:
+        """The policy as it is now in plain numbers, which acts without torch.
+
+        Its ``save`` writes a file that holds no pickles; `load` reads that as well, with an
+        optimiser that is new.
+
+        Raises
+        ------
+        InvalidInput
+            If it acts by something else than dense layers: by a memory, for example.
+        """
+        form = plain_form(self.model, self._notes_now(), self.normalization)
+        return PlainPolicy(form, deterministic=self.deterministic, seed=self._seed)
+
     @property
     def normalization(self) -> Normalization | None:
         """Statistics of the observations it was trained on; ``None`` without normalisation.
@@ -214,12 +229,7 @@ class SB3Policy:
         InvalidInput
             If it cannot see that there, or was trained for other actions or another team.
         """
-        notes = self._notes_now()
-        observe = seen_by(notes, config, trust)
-        bounds = bounds_for(notes, config)
-        seen = Observation(observe, config.num_agents, bounds=bounds)
-        chosen = seats(self._spaces, notes, seen, config, agents)
-        return Seat(self, observe, chosen, pushes_of(self._spaces, notes, config), bounds)
+        return seat_of(self, self._spaces, self._notes_now(), config, agents, trust)
 
     def _notes_now(self) -> Mapping[str, Any]:
         """The notes, their record that of the environment in which the model learned last."""
@@ -259,10 +269,8 @@ class SB3Policy:
             If it was trained on other observations, other actions or a team of another size, or its
             training diverged.
         """
-        num_worlds, num_agents, size = obs.shape
         width = transition.action.shape[-1]
-        self._spaces.check_sizes(num_agents, size, width)
-        rows = obs.reshape(-1, self._features)
+        rows = self._spaces.rows(obs, width)
         normalization = self.normalization
         if normalization is not None:
             rows = normalization(rows)
@@ -284,6 +292,4 @@ class SB3Policy:
         if not np.isfinite(action).all():
             raise InvalidInput(DIVERGED)
         self._memory.keep(kept)
-        if self._spaces.pushes is not None:
-            return action.reshape(num_worlds, num_agents).astype(np.int64)
-        return action.reshape(num_worlds, num_agents, width).astype(np.float64)
+        return self._spaces.by_agent(action, obs, width)

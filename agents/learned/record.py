@@ -1,20 +1,14 @@
-"""Record of the environment that a model was trained in: in its file, and against another one.
-
-Sizes alone do not tell blocks of the same size, nor a policy of one agent beside a partner from one
-that every agent runs.
-"""
+"""Record of the environment in which a model learned last, and whether that is still known."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from coopenv.config import ACTIONS
-from coopenv.config.hands import BY_HANDS
 from coopenv.errors import InvalidInput
-from coopenv.transport import Transport
 
-RECORD = "provenance"  # entry of the notes, as coopenv.agents.provenance writes it
+from ..trained.record import RECORD
+
 _SEEN = "_last_obs"  # attribute of a model: what it saw last in its environment, while it learned
 
 
@@ -82,76 +76,6 @@ def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any], *, learned_on: boo
         return Notes(rest, str(error))
     same = kept and _identity(live) == _identity(notes)
     return Notes(dict(notes) if same else {**rest, **live}, "")
-
-
-def check_trained_on(notes: Mapping[str, Any], core: Transport, agents: int) -> None:
-    """Raise `InvalidInput` if ``core`` shows other blocks, takes other actions or has another team.
-
-    Parameters
-    ----------
-    notes
-        Of the policy; without provenance nothing is checked.
-    core
-        Of the evaluation.
-    agents
-        How many of its learners share a row of the policy.
-    """
-    environment, training = (part_of(notes, name) for name in ("environment", "training"))
-    observe = environment.get("observe")
-    trained = [_name(entry) for entry in observe] if isinstance(observe, list) else []
-    seen = list(core.observation.blocks)
-    if trained and trained != seen:
-        raise InvalidInput(
-            f"obs must be made of the blocks that the policy was trained on, {' '.join(trained)}, "
-            f"got {' '.join(seen)}; evaluate it with the observe= of its training "
-            f"(--observe {' '.join(trained)}), or in the environment that its file records"
-        )
-    check_kind(environment, core.config.action)
-    control = training.get("control", "shared")  # not known: no team is refused
-    learners = len(core.learners)
-    if control != "shared" and agents != learners:
-        beside = " beside a partner" if environment.get("partner") is not None else ""
-        team = "one agent" if control == "partner" else "whole team"
-        raise InvalidInput(
-            f"policy must drive the {team} that it was trained for{beside} "
-            f"(control={control!r}), got an environment with {learners} learners; give it a "
-            "partner= (--partner), or evaluate it in the environment that its file records"
-        )
-
-
-def check_kind(environment: Mapping[str, Any], action: str) -> None:
-    """Raise `InvalidInput` if what moves hands would be taken for a wrench, or the other way round.
-
-    Where sizes differ, they tell by themselves.
-
-    Parameters
-    ----------
-    environment
-        Part of a policy's record; one that says no action is not refused.
-    action
-        Kind of the actions that are to be carried out.
-    """
-    trained = environment.get("action")
-    if trained in ACTIONS and trained != action and {trained, action} & set(BY_HANDS):
-        raise InvalidInput(
-            f"action must be {trained!r} for a policy that was trained with it, got {action!r}, "
-            "whose numbers mean something else; leave action= (--action) as the policy's file "
-            "records it, or train another policy"
-        )
-
-
-def part_of(notes: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """A part of the record; empty where there is none."""
-    record = notes.get(RECORD)
-    part = record.get(name) if isinstance(record, Mapping) else None
-    return part if isinstance(part, Mapping) else {}
-
-
-def _name(entry: Any) -> str:
-    """The name of a block as `TransportConfig.to_json` writes it, of a sensor's too."""
-    if isinstance(entry, Mapping):
-        return _name(entry["block"]) if "block" in entry else str(entry.get("name"))
-    return str(entry)
 
 
 def _identity(notes: Mapping[str, Any]) -> tuple[Any, Any]:

@@ -88,6 +88,21 @@ def put_weights(model: BaseAlgorithm, weights: Weights) -> None:
         target.data.copy_(value.data)
 
 
+def put_policy(model: BaseAlgorithm, state: dict[str, torch.Tensor]) -> None:
+    """Set the networks that act and rate of a model of the same build; its optimisers stay new.
+
+    Raises
+    ------
+    ValueError
+        If names, shapes or kinds are others than the model's.
+    """
+    wanted = model.policy.state_dict()
+    if set(wanted) != set(state):
+        raise ValueError(f"it has {len(state)} arrays, not the {len(wanted)} of its model")
+    _check_network("policy", state, wanted)
+    model.policy.load_state_dict(state)
+
+
 def _check_network(name: str, given: Any, wanted: dict[str, Any]) -> None:
     for key, value in wanted.items():
         if not torch.is_tensor(value):

@@ -6,7 +6,6 @@ from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from inspect import signature
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,9 @@ from coopenv.pushes import check_numbers, push_numbers
 from coopenv.transition import Transition
 
 from ..policy import Freezable, Resettable, Seat, Seatable, Seedable, Stateful, forget
+from ..pretrained.catalogue import FILES, read
+from ..pretrained.naming import file_of, is_name
+from ..trained.archive import existing
 
 _ACTIONS = "actions of the partner's policy"
 
@@ -38,7 +40,8 @@ class LearnedPartner:
     Parameters
     ----------
     path
-        That `coopenv.agents.sb3.SB3Policy.save` or ``coopenv train`` wrote.
+        That `coopenv.agents.sb3.SB3Policy.save`, ``coopenv train`` or ``coopenv export`` wrote; or
+        ``pretrained:BeamDoorway/joint``, a policy of the package.
     deterministic
         Take the mean action instead of a sample.
     seed
@@ -57,7 +60,7 @@ class LearnedPartner:
         If there is no such file, or another than the digest is of; where an environment is made,
         if it cannot be read or cannot act there.
     MissingExtra
-        If the extra ``train`` is not installed.
+        If the file is a ``.zip`` and the extra ``train`` is not installed.
     """
 
     path: str
@@ -86,12 +89,8 @@ class LearnedPartner:
         self, config: TransportConfig, num_worlds: int, agents: tuple[int, ...]
     ) -> "PolicyPlayer":
         """See `coopenv.partner.Partner`."""
-        from ..learned import SB3Policy  # torch is imported where somebody has learned
-
         self._checked_digest()
-        policy = SB3Policy.load(
-            self.path, deterministic=self.deterministic, seed=self.seed, trust=self.trust
-        )
+        policy = read(self.path, deterministic=self.deterministic, seed=self.seed, trust=self.trust)
         try:
             seat = policy.as_partner(config, agents, trust=self.trust)
         except InvalidInput as error:
@@ -100,10 +99,8 @@ class LearnedPartner:
 
     def _checked_digest(self) -> str:
         """The file's digest; raises unless it is the one that is known."""
-        from ..learned.archive import existing
-
         try:
-            found = sha256(existing(Path(self.path)).read_bytes()).hexdigest()
+            found = sha256(existing(file_of(self.path)).read_bytes()).hexdigest()
         except InvalidInput as error:
             raise InvalidInput(f"partner must be a policy's file: {error}") from error
         if self.digest not in (None, found):
@@ -268,9 +265,12 @@ class PolicyPlayer:
 
 
 def is_file_name(value: object) -> bool:
-    """Whether something stands for a policy's file: a path, or text with a folder or ``.zip``."""
+    """Whether something stands for a policy's file: a path, or text with a folder or its suffix.
+
+    Or ``pretrained:BeamDoorway/joint``, for one of the package.
+    """
     if isinstance(value, str):
-        return value.endswith(".zip") or "/" in value or os.sep in value
+        return value.endswith(FILES) or "/" in value or os.sep in value or is_name(value)
     return isinstance(value, os.PathLike)
 
 

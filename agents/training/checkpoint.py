@@ -13,11 +13,12 @@ from typing_extensions import Self
 from coopenv.errors import CoopenvError, InvalidInput, MissingExtra
 
 from ..curves import save_rows
-from ..learned import NOTES, read_notes, save_model
-from ..learned.archive import first_line, object_in, opened
+from ..learned import save_model
 from ..learned.finite import require_finite
 from ..learned.weights import put_weights, read_weights
 from ..provenance import Provenance
+from ..trained import NOTES, read_notes
+from ..trained.archive import first_line, object_in, opened
 from .progress import Progress
 
 try:

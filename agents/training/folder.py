@@ -8,9 +8,9 @@ from typing import Any
 from coopenv.errors import CoopenvError, InvalidInput
 from coopenv.files import reading
 
-from ..learned.archive import read_notes
-from ..learned.record import RECORD
 from ..settings import TrainConfig
+from ..trained import read_notes
+from ..trained.record import RECORD
 from .checkpoint import CHECKPOINT, POLICY
 
 LOG = "ppo"  # what TensorBoard's folders begin with

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from coopenv.agents.pretrained.naming import file_of, is_name
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
 from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust, is_trusted
@@ -67,8 +68,10 @@ def environments_of(
     found: dict[str, Environment] = {}
     notes: list[str] = []
     for label, name in named.items():
-        if Path(name).is_file():
-            environment, note = _recorded(Path(name), trust)
+        file = file_of(name)
+        if file.is_file():
+            environment, note = _recorded(file, trust)
+            note = [] if is_name(name) else note  # its row says whether it still acts as it did
             config = _trusting(choice.over(environment.config), trust)
             found[label] = replace(environment, config=config)
             notes += note

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from typing_extensions import Self
 
+from coopenv.agents.pretrained.naming import expanded
+from coopenv.agents.pretrained.rows import told
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
 from coopenv.arrays import whole
@@ -36,7 +38,8 @@ class Evaluate:
     """
 
     policies: Annotated[tuple[str, ...], POSITIONAL] = ()
-    """Files of trained policies, random, scripted, or scripted:nonsqueezing and the like."""
+    """Files of trained policies, random, scripted, or scripted:nonsqueezing and the like;
+    pretrained for all that the package brings, pretrained:BeamDoorway/joint for one."""
     environment: EnvironmentChoice = field(default_factory=lambda: EnvironmentChoice(env=RECORDED))
     episodes: int = 500
     """How many, the same for every policy."""
@@ -73,7 +76,8 @@ class Evaluate:
         from coopenv.agents.evaluate import save, table
 
         self._check()
-        named = dict(zip(labels(self.policies), self.policies, strict=True))
+        names = self._names()
+        named = dict(zip(labels(names), names, strict=True))
         console, errors = Console(), Console(stderr=True)
         places, notes = environments_of(named, self.environment, self._trusted)
         title = self._title(places)
@@ -81,6 +85,9 @@ class Evaluate:
             errors.print(note, markup=False, soft_wrap=True)
         seen = self._seen(named, places, console)
         console.print(table(seen, title))
+        if self.environment == EnvironmentChoice(env=RECORDED):
+            for line in told(dict(zip(names, seen, strict=True))):
+                console.print(line, markup=False, highlight=False, soft_wrap=True)
         if self.out is not None:
             save(seen, self.out)
         return {
@@ -88,6 +95,10 @@ class Evaluate:
             "policies": seen,
             "files": [path for path in (self.out, self.record) if path is not None],
         }
+
+    def _names(self) -> list[str]:
+        """One for each policy: those of the package one by one."""
+        return [each for name in self.policies for each in expanded(name)]
 
     @property
     def _trusted(self) -> Trust:
@@ -109,8 +120,9 @@ class Evaluate:
                     f"trust must be given alone or with names of modules, got {name!r}; put "
                     "--trust behind the policies"
                 )
-        for name in self.policies:
-            if self.policies.count(name) > 1:
+        names = self._names()
+        for name in names:
+            if names.count(name) > 1:
                 raise InvalidInput(
                     f"policies must be named once each, got {name!r} again; its episodes would be "
                     "the same, so leave it out"

@@ -10,6 +10,7 @@ from contextlib import redirect_stdout
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Protocol
 
+from coopenv.agents.pretrained.command import Export
 from coopenv.cli import terminal, version
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.experiment import Report, RunExperiment, Sweep
@@ -57,6 +58,7 @@ class Completion:
 COMMANDS: dict[str, type[Command]] = {
     "train": Train,
     "evaluate": Evaluate,
+    "export": Export,
     "experiment": RunExperiment,
     "sweep": Sweep,
     "report": Report,
@@ -69,7 +71,7 @@ COMMANDS: dict[str, type[Command]] = {
     "completion": Completion,
 }
 GROUPS: dict[str, tuple[str, ...]] = {  # in the help of the program
-    "learn": ("train", "evaluate", "experiment", "sweep", "report"),
+    "learn": ("train", "evaluate", "export", "experiment", "sweep", "report"),
     "look": ("show", "replay", "study"),
     "recordings": ("decompose", "inspect"),
     "machine": ("warmup", "completion"),

@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from coopenv.agents.pretrained.naming import is_name
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import EnvironmentChoice
+from coopenv.agents.trained.form import is_plain
 from coopenv.arrays import positive, whole
 from coopenv.cli import trial
 from coopenv.cli.environments import RECORDED, environments_of
@@ -34,8 +36,9 @@ class Replay:
     """Film a held-out episode of a policy, or a recorded trial, with γ, F_I, T_I and shares."""
 
     what: Annotated[str, POSITIONAL]
-    """A policy as coopenv evaluate takes it (scripted, random, policy.zip), or the file of a
-    recording, in the plane or in space, as coopenv decompose reads it."""
+    """A policy as coopenv evaluate takes it (scripted, random, policy.zip,
+    pretrained:BeamDoorway/joint), or the file of a recording, in the plane or in space, as
+    coopenv decompose reads it."""
     environment: EnvironmentChoice = field(default_factory=lambda: EnvironmentChoice(env=RECORDED))
     seed: int = 0
     """Of a policy: number of the evaluation; see coopenv.agents.seeds."""
@@ -111,7 +114,8 @@ class Replay:
         """Whether a policy is named; raise where options are of the other kind."""
         path = Path(self.what)
         kind = self.what.partition(":")[0]
-        of_policy = kind in ("random", "scripted") or path.suffix == ".zip" or path.is_dir()
+        named = kind in ("random", "scripted") or is_name(self.what)
+        of_policy = named or path.suffix == ".zip" or path.is_dir() or is_plain(path)
         if not of_policy and not path.exists():
             raise InvalidInput(
                 "what must be a policy (scripted, random, the .zip of a trained one) or the file "

@@ -3,6 +3,7 @@
 LEAST: dict[str, list[str]] = {
     "train": [],
     "evaluate": ["random"],
+    "export": ["policy.zip"],
     "experiment": ["tiny.toml"],
     "sweep": ["wasted_cost", "0"],
     "report": ["runs"],

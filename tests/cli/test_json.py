@@ -198,3 +198,10 @@ def test_what_is_refused_prints_no_document(capsys):
 def test_versions_are_a_document_too(capsys):
     assert cli.main(["--version", "--json"]) == 0
     assert {"coopenv", "python", "numpy"} <= set(json.loads(capsys.readouterr().out))
+
+
+def test_an_export_says_what_it_wrote(tmp_path, capsys):
+    out = tmp_path / "carry.npz"
+    found = asked(["export", "pretrained:BeamTransport/joint", f"--out={out}"], capsys, "wrote")
+    assert Path(found["written"]) == out
+    assert found["bytes"] == out.stat().st_size

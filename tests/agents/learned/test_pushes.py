@@ -15,8 +15,7 @@ import torch
 from coopenv import TransportConfig
 from coopenv.agents import sb3
 from coopenv.agents.evaluate import run_episodes
-from coopenv.agents.learned.plain import NotPlain
-from coopenv.agents.learned.spaces import plain_space, space_of
+from coopenv.agents.trained.spaces import NotPlain, plain_space, space_of
 from coopenv.errors import InvalidInput
 from tests.agents.learned.cases import OFF_POLICY, ON_POLICY
 from tests.helpers import EASY

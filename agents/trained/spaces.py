@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import gymnasium
 import numpy as np
-from stable_baselines3.common.base_class import BaseAlgorithm
+import numpy.typing as npt
 
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
@@ -14,10 +14,12 @@ from coopenv.observation import Observation
 from coopenv.pushes import MOST_PUSHES
 from coopenv.transport import Transport
 
-from .plain import NotPlain
-
 _DTYPES = ("float32", "float64")
 _MOST_AGENTS = 1000  # of a plate
+
+
+class NotPlain(ValueError):
+    """A value that no plain one stands for; the message is what it is."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,6 +61,23 @@ class Spaces:
             "action= and number of agents of its training"
         )
 
+    def rows(self, obs: npt.NDArray, width: int) -> npt.NDArray:
+        """``(row, feature)`` of observations ``(world, learner, feature)``, each giving ``width``.
+
+        Raises
+        ------
+        InvalidInput
+            If the policy was trained on other sizes, or actions of another range.
+        """
+        self.check_sizes(obs.shape[1], obs.shape[2], width)
+        return obs.reshape(-1, self.features)
+
+    def by_agent(self, action: npt.NDArray, obs: npt.NDArray, width: int) -> npt.NDArray:
+        """``(world, learner, width)``, or pushes ``(world, learner)``, of ``action`` a row."""
+        if self.pushes is not None:
+            return action.reshape(obs.shape[:2]).astype(np.int64)
+        return action.reshape(*obs.shape[:2], width).astype(np.float64)
+
     def check_environment(self, core: Transport) -> int:
         """How many agents share a row, if nothing shows that ``core`` is another environment.
 
@@ -93,9 +112,14 @@ class Spaces:
             )
 
 
-def spaces_of(model: BaseAlgorithm) -> Spaces:
-    """The spaces of a model; raises `InvalidInput` unless they are of one row."""
-    seen, done = model.observation_space, cast(Any, model.action_space)
+def spaces_of(seen: gymnasium.Space, done: Any, algorithm: str) -> Spaces:
+    """The spaces of what ``algorithm`` trained; raises `InvalidInput` unless they are of one row.
+
+    Parameters
+    ----------
+    seen, done
+        Of observations and of actions.
+    """
     box = gymnasium.spaces.Box
     if not isinstance(seen, box) or len(seen.shape) != 1:
         raise InvalidInput(
@@ -111,7 +135,7 @@ def spaces_of(model: BaseAlgorithm) -> Spaces:
     else:
         raise InvalidInput(
             f"action space of a policy must be a Box of one row, or of numbers of pushes, got "
-            f"{done} of {type(model).__name__}; it was trained in another kind of environment"
+            f"{done} of {algorithm}; it was trained in another kind of environment"
         )
     return Spaces(
         features=seen.shape[0],

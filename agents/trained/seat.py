@@ -20,10 +20,33 @@ from coopenv.observation.bounds import Bounds
 from coopenv.pushes import read_pushes, table_of
 from coopenv.tasks import TASKS, RollingTask
 
+from ..policy import Policy, Seat
 from .record import check_kind, part_of
 from .spaces import Spaces, said
 
 _OWN_BLOCKS = "; blocks of your own need a file, and LearnedPartner(path=..., trust=True)"
+
+
+def seat_of(
+    policy: Policy,
+    spaces: Spaces,
+    notes: Mapping[str, Any],
+    config: TransportConfig,
+    agents: tuple[int, ...],
+    trust: Trust = False,
+) -> Seat:
+    """Where a policy with these ``spaces`` and ``notes`` sits when it drives ``agents``.
+
+    Raises
+    ------
+    InvalidInput
+        If it cannot see what it was trained on, or was trained for other actions or another team.
+    """
+    observe = seen_by(notes, config, trust)
+    bounds = bounds_for(notes, config)
+    seen = Observation(observe, config.num_agents, bounds=bounds)
+    chosen = seats(spaces, notes, seen, config, agents)
+    return Seat(policy, observe, chosen, pushes_of(spaces, notes, config), bounds)
 
 
 def seen_by(notes: Mapping[str, Any], config: TransportConfig, trust: Trust) -> tuple[Entry, ...]:

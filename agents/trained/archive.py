@@ -9,12 +9,13 @@ from typing import Any
 from coopenv.errors import InvalidInput
 
 NOTES = "coopenv.json"  # member of the archive: what SB3 does not write; others may add keys
-_NEEDED = ("data", "policy.pth")  # members without which a file is no policy
+PLAIN = "coopenv_policy.json"  # member: the network of a policy in plain numbers
+_NEEDED = ("data", "policy.pth")  # members without which another file is no policy
 _MOST_GROWTH, _ALWAYS = 100, 10**8  # times its size, and [bytes], that a file may unpack to
 
 
 def read_notes(path: str | os.PathLike) -> dict[str, Any]:
-    """The member `NOTES` of a policy's file; empty if SB3 itself wrote it.
+    """The member `NOTES` of a policy's file, of either form; empty if SB3 itself wrote it.
 
     Raises
     ------
@@ -47,7 +48,7 @@ def opened(file: Path) -> zipfile.ZipFile:
         raise _no_policy(file, _likely(file, error)) from error
     try:
         names = archive.namelist()
-        missing = [name for name in _NEEDED if name not in names]
+        missing = [name for name in _NEEDED if PLAIN not in names and name not in names]
         if missing:
             raise _no_policy(file, f"an archive without {' and '.join(missing)}")
         unpacked = sum(member.file_size for member in archive.infolist())
@@ -79,8 +80,8 @@ def _likely(file: Path, error: Exception) -> str:
 
 def _no_policy(file: Path, what: str) -> InvalidInput:
     return InvalidInput(
-        f"policy must be a file that SB3Policy.save or a model's save wrote, got {str(file)!r}, "
-        f"{what}; copy it again or give another"
+        f"policy must be a file that SB3Policy.save or a model's save wrote, or coopenv export, "
+        f"got {str(file)!r}, {what}; copy it again or give another"
     )
 
 
