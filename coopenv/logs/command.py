@@ -24,11 +24,12 @@ class Decompose:
     """Decompose a recorded trial: table, picture and summary beside the file, the summary here too.
 
     Reads .csv, .npz or .parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on,
-    also .csv.gz, .mat, .h5, .mcap, .db3, .bag and .c3d; docs/recordings.md lists them all.
+    also .csv.gz, .mat, .h5, .mcap, .db3, .bag, .c3d and rosbag2 folders; docs/recordings.md lists
+    them all.
     """
 
     file: Path
-    """Of the recording."""
+    """Of the recording; of a rosbag2, the folder."""
     out: Path | None = None
     """Of the table, .csv, .npz or .parquet; trial.decomposed.csv beside trial.csv by default."""
     picture: bool = True

@@ -6,13 +6,14 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files import require_file, require_writable, writing, written
+from coopenv.files import require_writable, writing, written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.consistency import Check
 from coopenv.logs.consistency.told import Checked
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import FORMATS, find_format, open_sink, table_beside
 from coopenv.logs.formats.chunks import Sink
+from coopenv.logs.formats.folders import require_recording
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import legible
 from coopenv.logs.recording import Reader, naming
@@ -172,7 +173,7 @@ def _fill(
 
 def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
     """Where the input is and the table goes."""
-    require_file(path)
+    require_recording(path)
     table = table_beside(path) if out is None else out
     find_format(table, FORMATS)
     with writing(table):

@@ -9,11 +9,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files import reading, require_file
+from coopenv.files import reading
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.bags import BagSource, topics
 from coopenv.logs.formats.c3d import C3dSource, parts
 from coopenv.logs.formats.chunks import Format, Sink, Source
+from coopenv.logs.formats.folders import require_recording
 from coopenv.logs.formats.hdf5 import Hdf5Source
 from coopenv.logs.formats.mat import MatSource
 from coopenv.logs.formats.npz import NpzSink, NpzSource
@@ -28,11 +29,14 @@ FORMATS = (
 )
 """Those that are read and written."""
 
+BAGS = Format((".mcap", ".db3", ".bag"), BagSource, None, topics)
+"""Also folders with a `metadata.yaml`."""
+
 READ = (
     Format((".csv.gz", ".tsv.gz", ".txt.gz"), TextSource, None),
     Format((".mat",), MatSource, None),
     Format((".h5", ".hdf5", ".hdf", ".he5"), Hdf5Source, None),
-    Format((".mcap", ".db3", ".bag"), BagSource, None, topics),
+    BAGS,
     Format((".c3d",), C3dSource, None, parts),
 )
 """Those that are only read."""
@@ -65,7 +69,7 @@ def open_source(
         If reading it needs an extra.
     """
     path = Path(path)
-    require_file(path)
+    require_recording(path)
     with reading(path):
         known = find_format(path)
         if part and known not in PARTED:
@@ -77,14 +81,14 @@ def open_source(
         return known.source(*given, *filter(None, [part]))
 
 
-def parts_of(path: Path) -> list[str]:
+def parts_of(path: Path, limits: Limits | None = None) -> list[str]:
     """Streams that a file of this format keeps apart, such as topics; none of most formats."""
+    require_recording(path)
     known = find_format(path)
     if known.parts is None:
         return []
-    require_file(path)
     with reading(path):
-        return known.parts(path)
+        return known.parts(path, limits if limits is not None else Limits())
 
 
 def open_sink(path: str | os.PathLike) -> Sink:
@@ -104,7 +108,7 @@ def open_sink(path: str | os.PathLike) -> Sink:
 
 
 def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Format:
-    """The format of which the file has the suffix, in capitals or not.
+    """The format of which the file has the suffix, in capitals or not; a folder is a ROS bag.
 
     Raises
     ------
@@ -112,6 +116,8 @@ def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Form
         If no format has it.
     """
     name = path.name.lower()
+    if BAGS in among and path.is_dir():
+        return BAGS
     for known in among:
         if name.endswith(known.suffixes) and name not in known.suffixes:
             return known
@@ -124,6 +130,9 @@ def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Form
 def table_beside(path: Path) -> Path:
     """Where the table of a recording goes by default, in its format if that is written."""
     known = find_format(path)
+    if path.is_dir():
+        here = path if path.name not in ("", "..") else path.resolve()
+        return here.with_name(f"{here.name}.decomposed{FORMATS[0].suffixes[0]}")
     suffix = next(each for each in known.suffixes if path.name.lower().endswith(each))
     stem, own = path.name[: -len(suffix)], path.name[-len(suffix) :]
     if known.sink is None or len(known.suffixes) > 1:  # a table is CSV, whatever text was read

@@ -210,7 +210,7 @@ class Format(NamedTuple):
     suffixes: tuple[str, ...]  # of names, in small letters; tables get the first by default
     source: type[Source]
     sink: type[Sink] | None  # none of a format that is only read
-    parts: Callable[[Path], list[str]] | None = None  # of a format that keeps several streams apart
+    parts: Callable[[Path, Limits], list[str]] | None = None  # of one that keeps streams apart
 
 
 PART = re.compile(r"(.+?)((?::\d{1,6})+)", re.DOTALL)  # actions:0, force:1:2

@@ -63,7 +63,7 @@ def open_recording(path: str | os.PathLike, layout: Layout, *, strict: bool = Tr
 def _devices(path: Path, layout: Layout) -> tuple[Device, ...]:
     """Those that are declared; the streams of a file that has several, where none is."""
     devices = layout.devices(path.name.split(".")[0] or "recording")
-    parts = parts_of(path)
+    parts = parts_of(path, layout.limits)
     own = [device for device in devices if not device.path and not device.part]
     if not parts or not own:
         return devices

@@ -157,6 +157,7 @@ class JoinedSource(Source):
             for each in self._streams
             if each.delay
         ]
+        said += [note for each in self._streams for note in each.source.notes]
         for stream in self._others:
             if stream.equal:
                 said.append(f"{stream.equal:,} samples of {stream.name} had the time before's")
