@@ -161,7 +161,8 @@ class Layout(Joining):
         path
             Of the file; the defaults if ``None``.
         **said
-            Fields that take the place of those in the file; the mapped columns are added to its.
+            Fields that take the place of those in the file; the mapped columns and what is said of
+            the ``body`` are added to its.
 
         Raises
         ------
@@ -176,10 +177,12 @@ class Layout(Joining):
             if name not in known:
                 raise UnknownName(f"field of a layout in {path}", name, known)
         columns = {**content.pop("columns", {}), **said.pop("columns", {})}
+        body = (content.get("body"), said.get("body"))
+        both = {"body": {**body[0], **body[1]}} if all(isinstance(b, Mapping) for b in body) else {}
         if path is not None:
             content = located(content, os.path.dirname(path))
         try:
-            return cls(**{**content, **said, "columns": columns})
+            return cls(**{**content, **said, **both, "columns": columns})
         except CoopenvError as error:
             if content:
                 _blame(error, path, cls, said)
@@ -188,10 +191,13 @@ class Layout(Joining):
 
 def _blame(error: CoopenvError, path: Any, layout: type[Layout], said: dict[str, Any]) -> None:
     """Name the file in an error, unless what was said beside it is wrong already."""
-    try:
-        layout(**said)
-    except CoopenvError:
-        return
+    without = {name: value for name, value in said.items() if name != "body"}  # which may be a part
+    for alone in (said, without):
+        try:
+            layout(**alone)
+        except CoopenvError as own:
+            if str(own) == str(error):
+                return
     said_of, _, remedy = str(error).rpartition(";")
     error.args = (f"{path}: {shown(said_of, 500)};{remedy}",)
 
