@@ -10,7 +10,11 @@ import numpy as np
 from coopenv.arrays import FloatArray, finite_array, whole
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs.calibration.body import Body
-from coopenv.logs.calibration.declared import checked_tables, located
+from coopenv.logs.calibration.declared import (
+    checked_tables,
+    located,
+    require_one_orientation,
+)
 from coopenv.logs.calibration.processing import Filters, Pose
 from coopenv.logs.calibration.sensor import Sensor
 from coopenv.logs.columns import is_documented
@@ -114,6 +118,7 @@ class Layout(Joining):
                     f"columns must map documented names, got {name!r}; those are time, x, y, theta,"
                     " qw … qz, vx, vy, omega, and of effector 1 f1x, f1y, t1z, r1x, r1y and so on"
                 )
+        require_one_orientation(self.pose, self.columns)
         if self.grips is not None:
             object.__setattr__(self, "grips", _checked_grips(self.grips))
         named = self.trial_columns  # one name is no sequence of letters
