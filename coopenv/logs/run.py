@@ -41,7 +41,7 @@ def check_file(
         If the file, a column or a row is wrong; the message names file, line and column.
     """
     reader = Reader(path, layout, bad_rows=bad_rows)
-    check, rows = Check(reader.layout), 0
+    check, rows = Check(reader.layout, reader.devices), 0
     for recording in reader:
         check.add(recording)
         rows += len(recording)
@@ -157,7 +157,7 @@ def _fill(
     report: Callable[[float], object] | None,
 ) -> tuple[Collector, Check]:
     """Everything, chunk by chunk."""
-    collector, check = Collector(), Check(reader.layout)
+    collector, check = Collector(), Check(reader.layout, reader.devices)
     for recording in reader:
         with naming(reader.path):
             analysis = analyse(recording, settings)

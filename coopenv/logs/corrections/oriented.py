@@ -12,7 +12,7 @@ import numpy as np
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.declared import ORIENTED
-from coopenv.logs.calibration.orientation import heading, quaternions
+from coopenv.logs.calibration.orientation import heading, quaternions, tilt
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import factor_of
@@ -20,6 +20,11 @@ from coopenv.logs.formats.chunks import Chunk, Roles, Source
 from coopenv.logs.layout import Layout
 
 MADE = ORIENTED
+MOST_TILT = 30.0  # [degrees] of the object's z axis against the world's in the plane
+FLAT = (
+    f"a turn about z that tilts it by at most {MOST_TILT:g}°, as the recording is in the plane "
+    '(where y is up, exchange axes: pose.columns = ["qx", "-qz", "qy", "qw"])'
+)
 
 
 def written_in(layout: Layout) -> tuple[str, ...]:
@@ -163,6 +168,7 @@ class _Oriented(Source):
         quaternion = quaternions(values * self._factors, self._pose.orientation, self._pose.order)
         columns = dict(zip(ORIENTATION[3], quaternion.T, strict=True))
         columns["theta"] = heading(quaternion) / self._angle
+        tilted = tilt(quaternion) > np.radians(MOST_TILT)
         numbers = {name: chunk.numbers[name] for name in rest}
         numbers |= {name: columns[name] for name in made}
         bad = {name: each for name, each in chunk.bad.items() if name in rest}
@@ -170,6 +176,11 @@ class _Oriented(Source):
         if wrong:
             any_wrong: BoolArray = np.logical_or.reduce(wrong)
             bad |= dict.fromkeys(made, any_wrong)
+        rules = dict(chunk.rules)
+        if "theta" in made and tilted.any():
+            numbers["theta"] = np.where(tilted, np.nan, numbers["theta"])
+            bad["theta"] = tilted | bad.get("theta", False)
+            rules["theta"] = FLAT
         return _OrientedChunk(
             numbers=numbers,
             carried=chunk.carried,
@@ -177,7 +188,7 @@ class _Oriented(Source):
             first_row=chunk.first_row,
             progress=chunk.progress,
             rule=chunk.rule,
-            rules=chunk.rules,
+            rules=rules,
             bad=bad,
             fields=chunk.fields,
             read=chunk,
