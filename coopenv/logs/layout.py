@@ -182,12 +182,14 @@ class Layout(Joining):
             if name not in known:
                 raise UnknownName(f"field of a layout in {path}", name, known)
         columns = {**content.pop("columns", {}), **said.pop("columns", {})}
-        body = (content.get("body"), said.get("body"))
-        both = {"body": {**body[0], **body[1]}} if all(isinstance(b, Mapping) for b in body) else {}
+        of_file, own = content.get("body"), said.get("body")
+        added = dict(said)
+        if isinstance(of_file, Mapping) and isinstance(own, Mapping):
+            added["body"] = {**of_file, **own}
         if path is not None:
             content = located(content, os.path.dirname(path))
         try:
-            return cls(**{**content, **said, **both, "columns": columns})
+            return cls(**{**content, **added, "columns": columns})
         except CoopenvError as error:
             if content:
                 _blame(error, path, cls, said)

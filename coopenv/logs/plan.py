@@ -325,7 +325,7 @@ def _hint(name: str, columns: Sequence[str], like: str = "") -> str:
     if nearest:
         theirs = lower[nearest[0]]
         return (
-            f"did you mean {theirs!r}? rename it or map it, --map {name}={theirs}; has: "
+            f"did you mean {theirs!r}? rename it or map it, --map {name}={shown(theirs)}; has: "
             f"{_listed(columns)}"
         )
     return f"rename a column or map it, --map {name}=COLUMN; has: {_listed(columns)}"

@@ -21,7 +21,7 @@ from coopenv.logs.faults import Faults
 from coopenv.logs.formats.chunks import Chunk, Column, Roles
 from coopenv.logs.joining import open_recording
 from coopenv.logs.layout import Layout
-from coopenv.logs.limits import require_short_names
+from coopenv.logs.limits import require_short_names, shown
 from coopenv.logs.plan import make_plan
 from coopenv.logs.recorded import Recording
 from coopenv.logs.recorded.devices import Devices
@@ -182,7 +182,7 @@ class Reader:
             if name not in known and said != Layout().trial_columns:
                 raise InvalidInput(
                     f"{self.path}: trial_columns must be columns that are carried, got {name!r}; "
-                    f"has: {', '.join(known) or 'none'}"
+                    f"has: {', '.join(map(shown, known[:30])) or 'none'}"
                 )
         return [name for name in said if name in known]
 

@@ -11,6 +11,7 @@ from scipy.io import savemat
 from scipy.sparse import csc_matrix
 
 from coopenv.errors import InvalidInput
+from coopenv.logs import read
 from coopenv.logs.formats import open_source
 
 EVERYTHING = {
@@ -32,7 +33,7 @@ def content(**said) -> bytes:
     return made.getvalue()
 
 
-def kind_of_data(of: bytes, name: bytes) -> int:
+def kind_of_data(of: bytes | bytearray, name: bytes) -> int:
     """Where the data of a variable says its kind."""
     at = of.index(name)
     return at + len(name) + (-len(name) % 4 if len(name) <= 4 else -len(name) % 8)
@@ -86,3 +87,16 @@ def test_matrices_that_are_not_whole_are_refused(data, says, tmp_path):
     with pytest.raises(InvalidInput, match=says) as raised:
         open_source(path)
     assert "; save it again" in str(raised.value)
+
+
+def test_a_name_of_several_lines_is_told_in_one(tmp_path):
+    arrays = {"time": np.arange(5.0), **{f"abc{axis}": np.arange(5.0) for axis in "xyz"}}
+    made = io.BytesIO()
+    savemat(made, arrays, format="4")
+    path = tmp_path / "a.mat"
+    path.write_bytes(made.getvalue().replace(b"abcx", b"f1\nx"))
+    with pytest.raises(
+        InvalidInput, match=r"column f1x must be there, .* --map f1x=f1 x;"
+    ) as raised:
+        read(path)
+    assert "\n" not in str(raised.value)

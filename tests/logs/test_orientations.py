@@ -1,5 +1,6 @@
 """Orientations written in another order, by columns of other names, are read once and rightly."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,11 @@ from tests.logs import cases, motions
 
 ROTATED = ("qw", "qx", "qy", "qz")
 LAST = ("qx", "qy", "qz", "qw")  # the order of ROS and of SciPy
+
+
+def orientation(path: Path, layout: Layout) -> Any:
+    """Quaternions w, x, y, z of a file."""
+    return read(path, layout).orientation
 
 
 def laid(**said: Any) -> Layout:
@@ -34,24 +40,24 @@ NUMBERED = {name: f"q{k}" for k, name in enumerate(ROTATED)}  # which by themsel
 
 def test_an_order_is_that_of_the_columns_that_are_mapped(trial, tmp_path):
     path = cases.save(called(trial, [f"q{k}" for k in range(4)]), tmp_path / "a.npz")
-    found = read(path, laid(columns=NUMBERED, pose={"order": "xyzw"}))
-    np.testing.assert_allclose(found.orientation[:, 0], trial["qw"])
-    same = read(path, laid(pose={"columns": ["q0", "q1", "q2", "q3"], "order": "xyzw"}))
-    np.testing.assert_array_equal(found.orientation, same.orientation)
+    found = orientation(path, laid(columns=NUMBERED, pose={"order": "xyzw"}))
+    np.testing.assert_allclose(found[:, 0], trial["qw"])
+    same = orientation(path, laid(pose={"columns": ["q0", "q1", "q2", "q3"], "order": "xyzw"}))
+    np.testing.assert_array_equal(found, same)
 
 
 def test_an_order_is_that_of_documented_names_if_none_are_mapped(trial, tmp_path):
     path = cases.save(called(trial, ROTATED), tmp_path / "a.npz")
-    found = read(path, laid(pose={"order": "xyzw"}))
-    np.testing.assert_allclose(found.orientation[:, 3], trial["qz"])
+    found = orientation(path, laid(pose={"order": "xyzw"}))
+    np.testing.assert_allclose(found[:, 3], trial["qz"])
 
 
 def test_a_column_that_is_not_mapped_does_not_take_its_place(trial, tmp_path):
     columns = called(trial, [f"q{k}" for k in range(4)]) | {"qw": np.full(100, 7.0)}
-    found = read(
+    found = orientation(
         cases.save(columns, tmp_path / "a.npz"), laid(columns=NUMBERED, pose={"order": "xyzw"})
     )
-    np.testing.assert_allclose(found.orientation[:, 0], trial["qw"])
+    np.testing.assert_allclose(found[:, 0], trial["qw"])
 
 
 def test_columns_of_the_pose_take_the_place_of_documented_ones(trial, tmp_path):
@@ -60,16 +66,16 @@ def test_columns_of_the_pose_take_the_place_of_documented_ones(trial, tmp_path):
     pose = {"columns": ["q0", "q1", "q2", "q3"], "order": "xyzw"}
     path = cases.save(columns, tmp_path / "a.npz")
     for left_out in ({}, {"qw": ""}):
-        found = read(path, laid(columns=left_out, pose=pose))
-        np.testing.assert_allclose(found.orientation[:, 0], trial["qw"])
+        found = orientation(path, laid(columns=left_out, pose=pose))
+        np.testing.assert_allclose(found[:, 0], trial["qw"])
 
 
 def test_a_minus_turns_the_sign_of_a_part(trial, tmp_path):
     columns = called(trial, [f"q{k}" for k in range(4)])
     columns["q2"] = -columns["q2"]
     path = cases.save(columns, tmp_path / "a.npz")
-    found = read(path, laid(columns={**NUMBERED, "qy": "-q2"}, pose={"order": "xyzw"}))
-    np.testing.assert_allclose(found.orientation, np.stack([trial[n] for n in ROTATED], -1))
+    found = orientation(path, laid(columns={**NUMBERED, "qy": "-q2"}, pose={"order": "xyzw"}))
+    np.testing.assert_allclose(found, np.stack([trial[n] for n in ROTATED], -1))
 
 
 def test_mapped_columns_of_a_device_have_their_order_too(trial, tmp_path):
@@ -79,11 +85,11 @@ def test_mapped_columns_of_a_device_have_their_order_too(trial, tmp_path):
     path = cases.save(rest | {"q0": np.zeros(100)}, tmp_path / "sensors.npz")
     names = {name: f"mocap/{theirs}" for name, theirs in NUMBERED.items()}
     said = {"files": {"mocap": {"path": "mocap.npz"}}, "pose": {"order": "xyzw"}}
-    found = read(path, laid(columns=names, **said))
-    np.testing.assert_allclose(found.orientation[:, 0], trial["qw"])
+    found = orientation(path, laid(columns=names, **said))
+    np.testing.assert_allclose(found[:, 0], trial["qw"])
     turned = {**names, "qy": "-mocap/q2"}
-    found = read(path, laid(columns=turned, **said))
-    np.testing.assert_allclose(found.orientation[:, 3], -trial["qz"])
+    found = orientation(path, laid(columns=turned, **said))
+    np.testing.assert_allclose(found[:, 3], -trial["qz"])
     with pytest.raises(InvalidInput, match=r"pose.order is, must be columns of one device, got"):
         read(path, laid(columns={**names, "qw": "q9"}, **said))
 

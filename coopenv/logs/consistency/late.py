@@ -63,8 +63,9 @@ class Times(NamedTuple):
     def explanations(self, layout: Layout) -> Iterator[Explanation]:
         """Mistakes of times that would account for a misfit."""
         devices = self.devices
-        own = devices is not None and devices.pose is not None
-        if abs(self.delay) > LEAST and not (own and not devices.sensors_of(devices.pose)):
+        pose = None if devices is None else devices.pose
+        apart = devices is not None and pose is not None and not devices.sensors_of(pose)
+        if abs(self.delay) > LEAST and not apart:
             total = layout.pose.delay + self.delay
             text = f"the pose is {abs(self.delay):.3f} s {'late' if self.delay > 0 else 'early'}"
             yield Explanation("delay", text, f"[pose] delay = {total:.3f}", self.left, 1)

@@ -18,6 +18,7 @@ from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import factor_of
 from coopenv.logs.formats.chunks import Chunk, Roles, Source
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import shown
 
 MADE = ORIENTED
 MOST_TILT = 30.0  # [degrees] of the object's z axis against the world's in the plane
@@ -79,7 +80,7 @@ def oriented(
         if name not in source.columns:
             raise InvalidInput(
                 f"{path}: {key_of(layout)} must be columns of the file, got {name!r}; has: "
-                f"{', '.join(source.columns[:30])}"
+                f"{', '.join(map(shown, source.columns[:30]))}"
             )
     signs = [1.0 if name == each else -1.0 for name, each in zip(plain, used, strict=True)]
     return _Oriented(source, path, layout, plain, signs)
@@ -211,7 +212,7 @@ class _OrientedChunk(Chunk):
     def called(self, column: str) -> str:
         if column not in self.made:
             return self.read.called(column)
-        return f"columns {', '.join(self.used)}, which make {column!r},"
+        return f"columns {', '.join(map(shown, self.used))}, which make {column!r},"
 
     def text(self, row: int, column: str) -> str:
         if column not in self.made:

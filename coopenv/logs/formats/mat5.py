@@ -31,7 +31,8 @@ class Elements:
     """
 
     def __init__(self, data: bytes, order: Literal["little", "big"]):
-        self._data, self._order, self._at = memoryview(data), order, 0
+        self._data, self._at = memoryview(data), 0
+        self._order: Literal["little", "big"] = order
 
     def require_matrix(self, depth: int = 0) -> None:
         """Go through a matrix; raise `ValueError` where SciPy could not."""

@@ -15,6 +15,7 @@ from coopenv.logs.joining.filled import FilledSource
 from coopenv.logs.joining.source import JoinedSource
 from coopenv.logs.joining.stream import Stream
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import shown
 
 
 class Opened(NamedTuple):
@@ -85,8 +86,8 @@ def _joined(path: Path, layout: Layout, devices: tuple[Device, ...], strict: boo
     several = sum(not device.path for device in devices) > 1
     if several and not layout.clock and layout.join_rate is None:
         raise InvalidInput(
-            f"{path} must be joined on the clock of one of its streams, got {', '.join(names)}; "
-            f"say --clock {names[0]}, or --join-rate"
+            f"{path} must be joined on the clock of one of its streams, got {', '.join(map(shown, names))}; "
+            f"say --clock {shown(names[0])}, or --join-rate"
         )
     origin = Origin()
     streams = [
@@ -119,10 +120,10 @@ def _orient(path: Path, layout: Layout, streams: list[Stream]) -> None:
         if set(unsigned(own, columns)) <= set(columns):
             found.append((stream, own))
     if len(found) != 1:
-        which = " and ".join(stream.name for stream, _ in found) or "none"
+        which = " and ".join(shown(stream.name) for stream, _ in found) or "none"
         remedy = f"write {found[0][0].name}/{asked[0]} …" if found else "look at their names"
         raise InvalidInput(
-            f"{path}: {key_of(layout)} must be columns of one device, got {', '.join(asked)} of "
+            f"{path}: {key_of(layout)} must be columns of one device, got {', '.join(map(shown, asked))} of "
             f"{which}; {remedy}"
         )
     stream, own = found[0]
