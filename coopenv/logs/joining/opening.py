@@ -86,8 +86,8 @@ def _joined(path: Path, layout: Layout, devices: tuple[Device, ...], strict: boo
     several = sum(not device.path for device in devices) > 1
     if several and not layout.clock and layout.join_rate is None:
         raise InvalidInput(
-            f"{path} must be joined on the clock of one of its streams, got {', '.join(map(shown, names))}; "
-            f"say --clock {shown(names[0])}, or --join-rate"
+            f"{path} must be joined on the clock of one of its streams, got "
+            f"{', '.join(map(shown, names))}; say --clock {shown(names[0])}, or --join-rate"
         )
     origin = Origin()
     streams = [
@@ -123,8 +123,8 @@ def _orient(path: Path, layout: Layout, streams: list[Stream]) -> None:
         which = " and ".join(shown(stream.name) for stream, _ in found) or "none"
         remedy = f"write {found[0][0].name}/{asked[0]} …" if found else "look at their names"
         raise InvalidInput(
-            f"{path}: {key_of(layout)} must be columns of one device, got {', '.join(map(shown, asked))} of "
-            f"{which}; {remedy}"
+            f"{path}: {key_of(layout)} must be columns of one device, got "
+            f"{', '.join(map(shown, asked))} of {which}; {remedy}"
         )
     stream, own = found[0]
     stream.source = oriented(stream.source, f"{stream.path}", layout, own)
