@@ -12,8 +12,8 @@ from coopenv.logs.consistency import Check
 from coopenv.logs.consistency.told import Checked
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import FORMATS, find_format, open_sink, table_beside
+from coopenv.logs.formats.bags import require_recording
 from coopenv.logs.formats.chunks import Sink
-from coopenv.logs.formats.folders import require_recording
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import legible
 from coopenv.logs.recording import Reader, naming

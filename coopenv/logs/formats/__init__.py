@@ -1,7 +1,7 @@
 """File formats of recordings, and the registry that opens a file by the suffix of its name.
 
-A format is one file of this folder with a `Source`, which reads, and a `Sink`, which writes, and
-one line in `FORMATS`; or with a source alone, and a line in `READ`.
+A format is one file or folder of this folder with a `Source`, which reads, and a `Sink`, which
+writes, and one line in `FORMATS`; or with a source alone, and a line in `READ`.
 """
 
 import os
@@ -11,12 +11,11 @@ from pathlib import Path
 from coopenv.errors import InvalidInput
 from coopenv.files import reading
 from coopenv.logs.declared.dialect import Dialect
-from coopenv.logs.formats.bags import BagSource, topics
+from coopenv.logs.formats.bags import BagSource, require_recording, topics
 from coopenv.logs.formats.c3d import C3dSource, parts
 from coopenv.logs.formats.chunks import Format, Sink, Source
-from coopenv.logs.formats.folders import require_recording
 from coopenv.logs.formats.hdf5 import Hdf5Source
-from coopenv.logs.formats.mat import MatSource
+from coopenv.logs.formats.matlab import MatSource
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
 from coopenv.logs.formats.text import TextSink, TextSource

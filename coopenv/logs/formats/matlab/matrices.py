@@ -20,7 +20,7 @@ from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.chunks import Source
 from coopenv.logs.formats.damage import parsing
 from coopenv.logs.formats.hdf5 import data_sets, opened
-from coopenv.logs.formats.mat5 import Elements
+from coopenv.logs.formats.matlab.elements import Elements
 from coopenv.logs.formats.named import BLOCKS, ArraySource, Read
 from coopenv.logs.limits import Limits, shown
 

@@ -16,9 +16,9 @@ import numpy as np
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
+from coopenv.logs.formats.bags.folder import require_whole
 from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source
 from coopenv.logs.formats.damage import parsing
-from coopenv.logs.formats.folders import require_whole
 from coopenv.logs.limits import Limits, shown
 
 TIME = "time"
