@@ -12,24 +12,27 @@ from coopenv.options import ALONE, POSITIONAL, Common
 if TYPE_CHECKING:
     from rich.console import Console
 
+BODY = ("mass", "inertia", "drag", "gravity")  # options that are keys of [body]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Decompose:
     """Decompose a recorded trial: table, picture and summary beside the file, the summary here too.
 
     Reads .csv, .npz or .parquet with columns such as time, f1x, f1y, t1z, r1x, r1y, f2x and so on,
-    also .csv.gz, .mat, .h5, .mcap, .db3, .bag and .c3d; docs/recordings.md lists them all.
+    also .csv.gz, .mat, .h5, .mcap, .db3, .bag, .c3d and rosbag2 folders; docs/recordings.md lists
+    them all.
     """
 
     file: Annotated[Path, POSITIONAL]
-    """Of the recording."""
+    """Of the recording; of a rosbag2, the folder."""
     out: Path | None = None
     """Of the table, .csv, .npz or .parquet; trial.decomposed.csv beside trial.csv by default."""
     picture: bool = True
     """Draw the time series as PNG beside the table."""
     check: bool = False
     """Only compare the recording with its motion, and say what would explain a difference; nothing
-    is written. With mass and inertia in [body] of the layout it has numbers."""
+    is written. With mass and inertia it has numbers."""
     bad_rows: str = "error"
     """What to do with rows that cannot be used: error, or skip (their results are NaN)."""
     method: str = "optimal"
@@ -93,6 +96,15 @@ class Decompose:
     """Fill missing values: linear, nearest or previous; none by default."""
     longest_gap: float | None = None
     """Between samples that is bridged, in joining and filling [s]; 0.1 by default."""
+    mass: float | None = None
+    """Of the object [kg], with its inertia: G h is compared with its motion."""
+    inertia: tuple[float, ...] | None = None
+    """Of the object about its centre of mass [kg m²]: a number in the plane; in space 3, along its
+    axes, or 9, row by row."""
+    drag: tuple[float, ...] | None = None
+    """On the object, of translation [N s/m] and of rotation [N m s]; none by default."""
+    gravity: tuple[float, ...] | None = None
+    """In the world frame [m/s²]; in the plane none, in space along -z by default."""
     trial_columns: tuple[str, ...] | None = None
     """A new value in one of them begins a new trial; pair, condition and trial by default."""
     time: str | None = None
@@ -146,6 +158,8 @@ class Decompose:
             for name in options
             if getattr(self, name) is not None and getattr(self, name) is not False
         }
+        if body := self._body():
+            said["body"] = body
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         console = Console()
         if self.check:
@@ -179,6 +193,18 @@ class Decompose:
         names = ", ".join(legible(each) for each in files if each is not None)
         console.print(f"wrote {names}", markup=False, highlight=False, soft_wrap=True)
         return summary
+
+    def _body(self) -> dict[str, Any]:
+        """What the options say of the object, as ``[body]`` of a layout has it."""
+        said: dict[str, Any] = {
+            name: value for name in BODY if (value := getattr(self, name)) is not None
+        }
+        inertia = said.get("inertia", ())
+        if len(inertia) == 1:
+            said["inertia"] = inertia[0]
+        elif len(inertia) == 9:
+            said["inertia"] = [list(inertia[k : k + 3]) for k in (0, 3, 6)]
+        return said
 
 
 @contextmanager

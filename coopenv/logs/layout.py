@@ -10,7 +10,11 @@ import numpy as np
 from coopenv.arrays import FloatArray, finite_array, whole
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.logs.calibration.body import Body
-from coopenv.logs.calibration.declared import checked_tables, located
+from coopenv.logs.calibration.declared import (
+    checked_tables,
+    located,
+    require_one_orientation,
+)
 from coopenv.logs.calibration.processing import Filters, Pose
 from coopenv.logs.calibration.sensor import Sensor
 from coopenv.logs.columns import is_documented
@@ -114,6 +118,7 @@ class Layout(Joining):
                     f"columns must map documented names, got {name!r}; those are time, x, y, theta,"
                     " qw … qz, vx, vy, omega, and of effector 1 f1x, f1y, t1z, r1x, r1y and so on"
                 )
+        require_one_orientation(self.pose, self.columns)
         if self.grips is not None:
             object.__setattr__(self, "grips", _checked_grips(self.grips))
         named = self.trial_columns  # one name is no sequence of letters
@@ -161,7 +166,8 @@ class Layout(Joining):
         path
             Of the file; the defaults if ``None``.
         **said
-            Fields that take the place of those in the file; the mapped columns are added to its.
+            Fields that take the place of those in the file; the mapped columns and what is said of
+            the ``body`` are added to its.
 
         Raises
         ------
@@ -176,10 +182,14 @@ class Layout(Joining):
             if name not in known:
                 raise UnknownName(f"field of a layout in {path}", name, known)
         columns = {**content.pop("columns", {}), **said.pop("columns", {})}
+        of_file, own = content.get("body"), said.get("body")
+        added = dict(said)
+        if isinstance(of_file, Mapping) and isinstance(own, Mapping):
+            added["body"] = {**of_file, **own}
         if path is not None:
             content = located(content, os.path.dirname(path))
         try:
-            return cls(**{**content, **said, "columns": columns})
+            return cls(**{**content, **added, "columns": columns})
         except CoopenvError as error:
             if content:
                 _blame(error, path, cls, said)
@@ -188,10 +198,13 @@ class Layout(Joining):
 
 def _blame(error: CoopenvError, path: Any, layout: type[Layout], said: dict[str, Any]) -> None:
     """Name the file in an error, unless what was said beside it is wrong already."""
-    try:
-        layout(**said)
-    except CoopenvError:
-        return
+    without = {name: value for name, value in said.items() if name != "body"}  # which may be a part
+    for alone in (said, without):
+        try:
+            layout(**alone)
+        except CoopenvError as own:
+            if str(own) == str(error):
+                return
     said_of, _, remedy = str(error).rpartition(";")
     error.args = (f"{path}: {shown(said_of, 500)};{remedy}",)
 

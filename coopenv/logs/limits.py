@@ -11,7 +11,8 @@ MEANING = {
     "columns": "columns",
     "effectors": "effectors",
     "rows": "rows of formats that say how many they have before they are read, as NPZ does",
-    "block_bytes": "bytes that can only be read at once: Fortran order, row groups, old MATLAB",
+    "block_bytes": "bytes that can only be read at once: Fortran order, row groups, bag chunks, "
+    "old MATLAB",
 }
 """What each limit is on, for the page on recordings."""
 

@@ -251,12 +251,19 @@ def _require_no_other_case(
     """Raise where a column that would be carried differs from a documented name in case alone."""
     for column in rest:
         name = column.strip().lower()
-        settled = {name, column} & {*layout.columns, *found}
-        if name != column and is_documented(name) and not settled:
+        known = is_documented(name) and name != column and column not in found
+        if not known or name in layout.columns or (name == "time" and layout.joins):
+            continue
+        if name in found:
             raise InvalidInput(
-                f"{path}: column {shown(column)!r} must be called {name} if it is that, got "
-                f"another spelling; say --map {name}={shown(column)}, or --map {name}= if it is not"
+                f"{path}: columns must differ by more than capitals, got {name!r} and "
+                f"{shown(column)!r}; say which is meant, --map {name}={name} or "
+                f"{name}={shown(column)}"
             )
+        raise InvalidInput(
+            f"{path}: column {shown(column)!r} must be called {name} if it is that, got "
+            f"another spelling; say --map {name}={shown(column)}, or --map {name}= if it is not"
+        )
 
 
 def _factor(
@@ -318,7 +325,7 @@ def _hint(name: str, columns: Sequence[str], like: str = "") -> str:
     if nearest:
         theirs = lower[nearest[0]]
         return (
-            f"did you mean {theirs!r}? rename it or map it, --map {name}={theirs}; has: "
+            f"did you mean {theirs!r}? rename it or map it, --map {name}={shown(theirs)}; has: "
             f"{_listed(columns)}"
         )
     return f"rename a column or map it, --map {name}=COLUMN; has: {_listed(columns)}"

@@ -21,13 +21,15 @@ from coopenv.logs.faults import Faults
 from coopenv.logs.formats.chunks import Chunk, Column, Roles
 from coopenv.logs.joining import open_recording
 from coopenv.logs.layout import Layout
-from coopenv.logs.limits import require_short_names
+from coopenv.logs.limits import require_short_names, shown
 from coopenv.logs.plan import make_plan
 from coopenv.logs.recorded import Recording
+from coopenv.logs.recorded.devices import Devices
 from coopenv.logs.trials import Trials
 
 __all__ = ["Reader", "Recording", "naming", "read"]
 
+WARNING = "warning: "  # notes that begin so are warnings
 EXACT = 2.0**53  # whole numbers below are floats without rounding
 
 
@@ -58,8 +60,9 @@ def read(
     """
     reader = Reader(path, layout, bad_rows=bad_rows)
     recording = Recording.joined(list(reader))
-    for note in reader.faults.notes:
-        warnings.warn(note.removeprefix("warning: "), stacklevel=2)
+    for note in reader.notes:
+        if note.startswith(WARNING):
+            warnings.warn(note.removeprefix(WARNING), stacklevel=2)
     decimal = layout.decimal if layout is not None else "."
     carried = {name: _as_numbers(column, decimal) for name, column in recording.carried.items()}
     recording.carried.update(carried)
@@ -110,6 +113,11 @@ class Reader:
         self.progress = 0.0  # share of the file that has been read
         self._grips = self._constant_grips()
         self.assumed = assumptions(self.layout, self.plan, self._grips)
+
+    @property
+    def devices(self) -> Devices | None:
+        """Whose pose and wrenches are, where several devices are joined."""
+        return Devices.of(self.plan, self._source.owners)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -174,7 +182,7 @@ class Reader:
             if name not in known and said != Layout().trial_columns:
                 raise InvalidInput(
                     f"{self.path}: trial_columns must be columns that are carried, got {name!r}; "
-                    f"has: {', '.join(known) or 'none'}"
+                    f"has: {', '.join(map(shown, known[:30])) or 'none'}"
                 )
         return [name for name in said if name in known]
 

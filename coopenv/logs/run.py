@@ -6,12 +6,13 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files import require_file, require_writable, writing, written
+from coopenv.files import require_writable, writing, written
 from coopenv.logs.analysis import analyse
 from coopenv.logs.consistency import Check
 from coopenv.logs.consistency.told import Checked
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import FORMATS, find_format, open_sink, table_beside
+from coopenv.logs.formats.bags import require_recording
 from coopenv.logs.formats.chunks import Sink
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import legible
@@ -40,7 +41,7 @@ def check_file(
         If the file, a column or a row is wrong; the message names file, line and column.
     """
     reader = Reader(path, layout, bad_rows=bad_rows)
-    check, rows = Check(reader.layout), 0
+    check, rows = Check(reader.layout, reader.devices), 0
     for recording in reader:
         check.add(recording)
         rows += len(recording)
@@ -156,7 +157,7 @@ def _fill(
     report: Callable[[float], object] | None,
 ) -> tuple[Collector, Check]:
     """Everything, chunk by chunk."""
-    collector, check = Collector(), Check(reader.layout)
+    collector, check = Collector(), Check(reader.layout, reader.devices)
     for recording in reader:
         with naming(reader.path):
             analysis = analyse(recording, settings)
@@ -172,7 +173,7 @@ def _fill(
 
 def _places(path: Path, out: Path | None) -> tuple[Path, Path]:
     """Where the input is and the table goes."""
-    require_file(path)
+    require_recording(path)
     table = table_beside(path) if out is None else out
     find_format(table, FORMATS)
     with writing(table):

@@ -46,14 +46,25 @@ def sampled(
 
 
 def rosbag2(columns: dict[str, Any], folder: Path, storage: str) -> Path:
-    """A bag of two force sensors and a pose at half their rate."""
-    from rosbags.rosbag2 import StoragePlugin, Writer
+    """The file in a bag of two force sensors and a pose at half their rate."""
+    bag = rosbag2_folder(columns, folder, storage)
+    return next(each for each in bag.iterdir() if each.suffix != ".yaml")
+
+
+def rosbag2_folder(
+    columns: dict[str, Any], folder: Path, storage: str, *, compressed: str = "", name: str = "bag"
+) -> Path:
+    """That bag as ROS 2 writes it: a folder; ``compressed`` by FILE or MESSAGE."""
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
-    with Writer(folder / "bag", version=9, storage_plugin=StoragePlugin[storage]) as bag:
+    made = Writer(folder / name, version=9, storage_plugin=StoragePlugin[storage])
+    if compressed:
+        made.set_compression(CompressionMode[compressed], CompressionFormat.ZSTD)
+    with made as bag:
         _write(bag, store, columns, lambda *each: bytes(store.serialize_cdr(*each)))
-    return next(each for each in (folder / "bag").iterdir() if each.suffix != ".yaml")
+    return folder / name
 
 
 def rosbag1(columns: dict[str, Any], folder: Path) -> Path:

@@ -536,6 +536,13 @@ KINDS: tuple[Kind, ...] = (
         needs="rosbags",
     ),
     Kind(
+        name="rosbag2, the folder with its `metadata.yaml`",
+        said="the same",
+        write=lambda folder: devices.rosbag2_folder(recorded(), folder, "MCAP"),
+        layout=devices.OF_TOPICS,
+        needs="rosbags",
+    ),
+    Kind(
         name="ROS 1 bag",
         said="the same",
         write=lambda folder: devices.rosbag1(recorded(), folder),

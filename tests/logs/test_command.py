@@ -16,7 +16,7 @@ from coopenv import cli
 from coopenv.logs import Layout
 from coopenv.logs.command import Decompose
 from coopenv.logs.layout import TABLES, UNITS
-from tests.logs import cases
+from tests.logs import cases, motions
 
 
 @pytest.fixture(autouse=True)
@@ -78,6 +78,9 @@ def test_options_may_come_from_a_file(tmp_path, capsys):
         ({}, ("--force", "kn"), "did you mean 'kN'"),
         ({}, ("--method", "optimum"), "did you mean 'optimal'"),
         ({}, ("--bad-rows", "ignore"), "bad_rows must be"),
+        ({}, ("--mass", "5"), "body must have both mass and inertia or none of them, got one"),
+        ({}, ("--mass", "0", "--inertia", "1"), "body.mass must be positive, got 0"),
+        ({}, ("--mass", "5", "--inertia", "1", "2"), "body.inertia must be a number in the plane"),
         ({}, ("--out", "a.xlsx"), "file must end in one of"),
     ],
 )
@@ -89,6 +92,35 @@ def test_what_is_wrong_is_said_in_one_line(change, options, says, tmp_path, caps
     assert says in printed
     assert printed.count("\n") == 1
     assert [each.name for each in tmp_path.iterdir()] == ["trial.csv"]
+
+
+def test_a_known_body_may_be_said_by_options_which_win_over_a_layout(tmp_path, capsys):
+    columns = motions.planar(0, noise=0)
+    path = cases.save(columns, tmp_path / "trial.npz")
+    options = ("--grips", *np.ravel(motions.BEAM), "--twist-frame", "world", "--check")
+    (tmp_path / "lab.toml").write_text("[body]\nmass = 1.0\ninertia = 1.0\ndrag = [2.0, 0.3]\n")
+    layout = ("--layout", tmp_path / "lab.toml")
+    assert run("decompose", path, *options, *layout) == 0
+    wrong = " ".join(capsys.readouterr().out.split())
+    body = ("--mass", motions.MASS, "--inertia", motions.INERTIA)
+    assert run("decompose", path, *options, *layout, *body) == 0
+    right = " ".join(capsys.readouterr().out.split())
+    assert run("decompose", path, *options, *body, "--drag", 2.0, 0.3) == 0
+    assert " ".join(capsys.readouterr().out.split()) == right
+    assert "fx: r² 1.000, gain 1.000" in right
+    assert "fx: r² 1.000, gain 1.000" not in wrong
+
+
+def test_an_inertia_in_space_is_three_numbers_or_nine(tmp_path, capsys):
+    columns = motions.spatial(0, rate=50, noise=0)
+    path = cases.save(columns, tmp_path / "trial.npz")
+    told = []
+    for inertia in ((0.3, 2.0, 2.2), (0.3, 0, 0, 0, 2.0, 0, 0, 0, 2.2)):
+        options = ("--check", "--mass", motions.MASS, "--gravity", 0, 0, -9.81)
+        assert run("decompose", path, *options, "--inertia", *inertia) == 0
+        told.append(" ".join(capsys.readouterr().out.split()))
+    assert told[0] == told[1]
+    assert "tz: r² 1.000" in told[0]
 
 
 @pytest.mark.parametrize("where", ["before", "after", "layout"])

@@ -63,6 +63,16 @@ def trial(folder, content, name="a.csv", **said):
         (HEAD.replace(",", ";") + "0;1;2;3", {"decimal": ";"}, "decimal must be one of"),
         (HEAD + "0,1,2,3\n", {"decimal": ","}, "decimal must not be what separates the columns"),
         ("Time,f1x,f1y,t1z\n" + ROWS, {}, "'Time' must be called time .* say --map time=Time"),
+        (
+            "time,f1x,f1y,t1z,TIME\n0,1,2,3,4\n",
+            {},
+            "must differ by more than capitals, got 'time' and 'TIME'; .* --map time=time or",
+        ),
+        (
+            "Time,f1x,f1y,t1z\n" + ROWS,
+            {"sample_rate": 100.0},
+            "sample_rate must be left out .* got column 'Time'; leave it out, or say --map time=",
+        ),
         ("time,f1x,f1y,t1z,f1x\n", {}, "columns must differ, got 'f1x' twice; .* --map f1x=f1x"),
         (HEAD + "1,2,3,4,5\n", {}, "line 2 must have 4 fields like the header, got 5 fields"),
         (HEAD + "1,2,3,\n", {}, "line 2, column 't1z' must be a finite number, got ''"),
@@ -72,6 +82,16 @@ def test_what_a_text_is_like_is_asked_about_in_one_line(content, said, says, tmp
     with pytest.raises(CoopenvError, match=says) as told:
         trial(tmp_path, content, **said)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("columns", "times"), [({"time": "time"}, [0.0, 1.0]), ({"time": "TIME"}, [5.0, 7.0])]
+)
+def test_of_two_columns_that_differ_in_capitals_the_one_that_is_mapped_is_read(
+    columns, times, tmp_path
+):
+    found = trial(tmp_path, "time,f1x,f1y,t1z,TIME\n0,1,2,3,5\n1,4,5,6,7\n", columns=columns)
+    np.testing.assert_array_equal(found.time, times)
 
 
 @pytest.mark.parametrize(

@@ -322,6 +322,14 @@ def test_equal_times_are_told_and_cost_nothing(tmp_path):
     assert "warning: 1 rows" in summary.notes[0]
 
 
+def test_equal_times_of_a_device_are_warned_of_too(tmp_path):
+    path = devices(tmp_path, right=np.repeat(np.arange(8), 2) / 100)
+    with pytest.warns(UserWarning, match="8 samples of right had the time before's"):
+        found = joined(path)
+    assert found.good.all()
+    np.testing.assert_allclose(found.applied[:, 1, 0], 100 * seconds(found))
+
+
 def test_a_part_that_a_file_does_not_have_is_answered_with_those_it_has(tmp_path):
     savemat(tmp_path / "a.mat", {"trial": {"t": np.arange(3.0)}})
     with pytest.raises(InvalidInput, match="part must be one of its structures, got 'no'; has: tr"):

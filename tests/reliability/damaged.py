@@ -4,6 +4,7 @@
 every run: a file of one of many kinds, wrong in what it holds, in its bytes, or both.
 """
 
+import shutil
 import tempfile
 import warnings
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from coopenv.logs import Layout, decompose_file, read
 from tests.logs import cases
 from tests.reliability import faulty, whole
 
-KINDS: tuple[tuple[str, Callable[[np.random.Generator], bytes]], ...] = (
+KINDS: tuple[tuple[str, Callable[[np.random.Generator], whole.Made]], ...] = (
     (".csv", faulty.text),
     (".npz", lambda rng: faulty.archive(rng, compressed=False)),
     (".npz", lambda rng: faulty.archive(rng, compressed=True)),
@@ -26,6 +27,10 @@ KINDS: tuple[tuple[str, Callable[[np.random.Generator], bytes]], ...] = (
     (".json", lambda rng: faulty.layout(rng, toml=False)),
     *((suffix, make) for suffix, make, _ in whole.WHOLE),
 )
+NAMES = (
+    "csv", "npz stored", "npz deflated", "parquet", "toml", "json", "csv.gz", "mat 5", "mat 4",
+    "mat 7.3", "h5", "mcap", "db3", "rosbag2 folder", "bag", "c3d",
+)  # fmt: skip
 NEEDS = (*["pyarrow"] * (len(KINDS) - len(whole.WHOLE)), *(each[2] for each in whole.WHOLE))
 INSERTED = (b"\0", b"\r", b"\n", b'"', b"\xef\xbb\xbf", b"\xff\xfe", b",", b";", b"\x00" * 40,
             b"PK\x01\x02", b"PAR1", b"9" * 300, b"{" * 50, b"e99999", b"-")  # fmt: skip
@@ -42,16 +47,47 @@ LONGEST = 6000  # [characters] of an answer
 
 def damaged(seed: int, folder: Path) -> Path:
     """A file that is wrong in some way, of the kind that the seed has; the same for every run."""
+    suffix = KINDS[seed % len(KINDS)][0]
+    path = Path(folder) / f"damaged-{seed}{suffix}"
+    made, _ = _content(seed)
+    if isinstance(made, dict):
+        path.mkdir()
+        for name, data in made.items():
+            (path / name).write_bytes(data)
+    else:
+        path.write_bytes(made)
+    return path
+
+
+def is_damaged(seed: int) -> bool:
+    """Whether bytes of that file are others than those that were written at first."""
+    return _content(seed)[1]
+
+
+def _content(seed: int) -> tuple[whole.Made, bool]:
+    """What the seed makes, a file or those of a folder, and whether its bytes were changed."""
     rng = np.random.default_rng([seed, 20261129])
-    suffix, make = KINDS[seed % len(KINDS)]
-    data = bytearray(make(rng))
+    made = KINDS[seed % len(KINDS)][1](rng)
+    files = {name: bytearray(each) for name, each in _files(made).items()}
     right = seed % len(KINDS) >= len(KINDS) - len(whole.WHOLE)  # as it is made
     shares = [0.1, 0.5, 0.3, 0.1] if right else [0.5, 0.3, 0.15, 0.05]
     for _ in range(int(rng.choice([0, 1, 2, 8], p=shares))):
-        _damage(data, rng)
-    path = Path(folder) / f"damaged-{seed}{suffix}"
-    path.write_bytes(bytes(data))
-    return path
+        names = sorted(files)
+        _damage(files[names[int(rng.integers(len(names))) if len(names) > 1 else 0]], rng)
+    now = {name: bytes(each) for name, each in files.items()}
+    return (now if isinstance(made, dict) else now[""]), now != _files(made)
+
+
+def _files(made: whole.Made) -> dict[str, bytes]:
+    return made if isinstance(made, dict) else {"": made}
+
+
+def remove(path: Path) -> None:
+    """Take a file or a folder away again."""
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink()
 
 
 def _damage(data: bytearray, rng: np.random.Generator) -> None:
@@ -87,7 +123,7 @@ def check(path: Path) -> None:
     Nobody else may use the folder meanwhile.
     """
     path = Path(path)
-    before = sorted(path.parent.iterdir())
+    before = sorted(path.parent.rglob("*"))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
@@ -100,7 +136,7 @@ def check(path: Path) -> None:
         problem = "" if all(each.is_file() for each in made) else "wrote nothing"
         for each in made:
             each.unlink(missing_ok=True)
-    left = sorted(set(path.parent.iterdir()) - set(before))
+    left = sorted(set(path.parent.rglob("*")) - set(before))
     if left:
         problem = problem or f"left {[each.name for each in left]} behind"
     if problem:

@@ -5,22 +5,45 @@ import pytest
 pytest.importorskip("pyarrow")
 pytest.importorskip("pandas")
 
+from coopenv.logs import formats
 from tests.reliability import damaged as campaign
-from tests.reliability.damaged import KINDS, NEEDS, check, damaged
+from tests.reliability.damaged import KINDS, NAMES, NEEDS, check, damaged, is_damaged, remove
 from tests.reliability.whole import WHOLE
 
 EACH = 100  # files of a kind that is written
 READ = 30  # of one that is only read
+MANY = 500  # of every kind, where all of them are looked at
 
 
-@pytest.mark.parametrize("kind", range(len(KINDS)), ids=[suffix for suffix, _ in KINDS])
+@pytest.mark.parametrize("kind", range(len(KINDS)), ids=NAMES)
 def test_a_damaged_file_is_read_or_refused_in_words(kind, tmp_path):
     pytest.importorskip(NEEDS[kind])
     each = EACH if kind < len(KINDS) - len(WHOLE) else READ
     for seed in range(kind, each * len(KINDS), len(KINDS)):
         path = damaged(seed, tmp_path)
         check(path)
-        path.unlink()
+        remove(path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", range(len(KINDS)), ids=NAMES)
+def test_each_of_five_hundred_damaged_files_is_read_or_refused_in_words(kind, tmp_path):
+    pytest.importorskip(NEEDS[kind])
+    found, seed = 0, kind
+    while found < MANY:
+        path = damaged(seed, tmp_path)
+        check(path)
+        remove(path)
+        found, seed = found + is_damaged(seed), seed + len(KINDS)
+    assert seed < kind + 3 * MANY * len(KINDS)
+
+
+def test_every_format_that_is_read_is_damaged():
+    damages = {suffix for suffix, _ in KINDS if suffix not in (".toml", ".json")}
+    for known in (*formats.FORMATS, *formats.READ):
+        assert damages & set(known.suffixes), known.suffixes
+    assert "" in damages  # folders
+    assert len(NAMES) == len(KINDS)
 
 
 def test_a_seed_always_makes_the_same_file(tmp_path):

@@ -31,7 +31,8 @@ class Body:
             inertia = checked_inertia(inertia, f"{key}.inertia")
         if (mass is None) != (inertia is None):
             raise InvalidInput(
-                f"{key} must have both mass and inertia or none of them, got one; add the other"
+                f"{key} must have both mass and inertia or none of them, got one; add the other to "
+                f"[{key}] of the layout, or say --mass and --inertia"
             )
         if gravity is not None:
             gravity = vector(gravity, f"{key}.gravity")

@@ -9,8 +9,10 @@ from coopenv.logs.calibration.body import Body
 from coopenv.logs.calibration.processing import Filters, Pose
 from coopenv.logs.calibration.sensor import Sensor, Tare
 from coopenv.logs.calibration.stated import stated
+from coopenv.logs.columns import ORIENTATION
 
 LARGEST = 10_000  # number of an effector
+ORIENTED = (*ORIENTATION[3], *ORIENTATION[2])  # columns of an orientation
 
 
 class Declared(Protocol):
@@ -51,6 +53,29 @@ def checked_tables(layout: Declared) -> dict[str, Any]:
         "filters": stated(Filters, layout.filters, "filters").checked("filters"),
         "body": stated(Body, layout.body, "body").checked("body"),
     }
+
+
+def require_one_orientation(pose: Pose, columns: Mapping[str, str]) -> None:
+    """Raise where ``[pose]`` and ``[columns]`` say different things of the orientation.
+
+    Raises
+    ------
+    InvalidInput
+        If both name its columns, or one says an order of what the other says is not there.
+    """
+    named = [name for name in ORIENTED if name in columns]
+    said = [name for name in named if columns[name]]
+    if pose.columns and said:
+        raise InvalidInput(
+            f"pose.columns must be left out where columns say which is {said[0]}, got "
+            f"{list(pose.columns)} and {columns[said[0]]!r}; name the orientation once"
+        )
+    missing = [name for name in named if name != "theta" and not columns[name]]
+    if pose.order == "xyzw" and not pose.columns and missing:
+        raise InvalidInput(
+            f"pose.order must be left out where columns say that there is no {missing[0]}, got "
+            f"{pose.order!r}; name the four columns in pose.columns"
+        )
 
 
 def needed(layout: Declared, dimension: int) -> frozenset[str]:

@@ -4,8 +4,8 @@ MEANING = {  # table.key -> default, meaning
     "sensors.1.sign": ("1", "-1 where the sensor measures the reaction on itself"),
     "sensors.1.rotation": (
         "none",
-        "its axes seen from the object: in the plane an angle, in space `{ euler = [...], order = "
-        '"ZYX" }` or `{ quaternion = [...], order = "wxyz" }`, in both a matrix',
+        "its axes seen from the object: in the plane an angle, in both a matrix, `{ euler = [...], "
+        'order = "ZYX" }` or `{ quaternion = [...], order = "wxyz" }`',
     ),
     "sensors.1.offset": ("0", "from its origin to the grip, along its axes, unit of lengths"),
     "sensors.1.tare": (
@@ -24,7 +24,7 @@ MEANING = {  # table.key -> default, meaning
         "quaternion",
         "`quaternion`, `matrix`, or, in the unit of angles, `euler` or `rotation_vector`",
     ),
-    "pose.columns": ("as documented", "its 4, 9 or 3 columns of the file"),
+    "pose.columns": ("as documented", "its 4, 9 or 3 columns of the file, a minus turns the sign"),
     "pose.order": (
         "wxyz, rows",
         "`wxyz` or `xyzw`; `rows` or `columns`; axes such as `ZYX` (turning with the object) or "

@@ -19,11 +19,13 @@ def turned(wrench: FloatArray, rotation: FloatArray) -> FloatArray:
 
     Returns
     -------
-    As ``wrench``, in the object's axes; a planar torque is what it was.
+    As ``wrench``, in the object's axes; a planar torque is what it was, or the other way round of a
+    sensor that is upside down.
     """
     d = rotation.shape[-1]
     force = wrench[..., :d] @ rotation.T
-    torque = wrench[..., d:] if d == 2 else wrench[..., d:] @ rotation.T
+    torque = wrench[..., d:]
+    torque = torque @ rotation.T if d == 3 else torque * np.sign(np.linalg.det(rotation))
     return np.concatenate([force, torque], axis=-1)
 
 

@@ -85,6 +85,13 @@ def heading(quaternion: FloatArray) -> FloatArray:
     return np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
+def tilt(quaternion: FloatArray) -> FloatArray:
+    """Angle ``(...)`` [rad] between the object's z axis and the world's; as in `heading`."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+
+
 def rotation_matrix(quaternion: FloatArray) -> FloatArray:
     """Matrices ``(..., 3, 3)`` of quaternions ``(..., 4)`` w, x, y, z of any length but zero."""
     flat = quaternion.reshape(-1, 4)[:, [1, 2, 3, 0]]

@@ -18,6 +18,7 @@ from coopenv.logs.calibration.orientation import (
 from coopenv.logs.calibration.stated import LARGEST, square, stated, vector, vector_or_nothing
 
 TURNS = ("quaternion", "euler")  # ways to write a rotation in space beside a matrix
+MOST_TILT = 0.01  # [degrees] by which a rotation may turn the plane out of itself: rounding
 RESTS = "a rest is two times [start, end] in seconds"
 
 
@@ -98,23 +99,32 @@ class Sensor:
     def matrix(self, dimension: int, angle: float, key: str) -> FloatArray | None:
         """Its axes seen from the object as columns ``(d, d)``; ``None`` where they are the same.
 
-        ``rotation`` is a number in the plane, in space ``{quaternion = [...], order = "wxyz"}`` or
-        ``{euler = [...], order = "ZYX"}``, in both a matrix; ``angle`` is the unit of angles [rad].
+        ``rotation`` is a number in the plane, in both a matrix, ``{quaternion = [...], order =
+        "wxyz"}`` or ``{euler = [...], order = "ZYX"}``; ``angle`` is the unit of angles [rad]. In
+        the plane one in space must leave the plane in place; it is mirrored of a sensor that is
+        upside down.
+
+        Raises
+        ------
+        InvalidInput
+            If it is one in the plane and the recording is in space, or turns out of the plane.
         """
         said = self.rotation
         if said is None:
             return None
         if isinstance(said, float):
-            _require_dimension(2, dimension, key)
+            _require_plane(dimension, key)
             c, s = np.cos(said * angle), np.sin(said * angle)
             return np.array([[c, -s], [s, c]])
         if isinstance(said, tuple):
-            _require_dimension(len(said), dimension, key)
-            return np.array(said)
-        _require_dimension(3, dimension, key)
+            if len(said) == 2:
+                _require_plane(dimension, key)
+            return _as_wide(np.array(said), dimension, key)
         kind = next(name for name in TURNS if name in said)
         values = np.array(said[kind]) * (angle if kind == "euler" else 1.0)
-        return rotation_matrix(quaternions(values, kind, said.get("order")))
+        return _as_wide(
+            rotation_matrix(quaternions(values, kind, said.get("order"))), dimension, key
+        )
 
 
 def _checked_rotation(value: Any, key: str) -> Any:
@@ -142,6 +152,11 @@ def _checked_rotation(value: Any, key: str) -> Any:
         return angle
     rows = square(value, key, (2, 3))
     if not are_rotations(np.array(rows)):
+        if len(rows) == 2 and are_rotations(np.array(rows) * [1.0, -1.0]):
+            raise InvalidInput(
+                f"{key} must be right-handed, got {value!r}; of a sensor that is upside down say a "
+                'rotation in space, { euler = [180, 0, 0], order = "xyz" }'
+            )
         raise InvalidInput(
             f"{key} must be a rotation, whose rows are of unit length, at right angles and "
             f"right-handed, got {value!r}; correct it"
@@ -149,10 +164,24 @@ def _checked_rotation(value: Any, key: str) -> Any:
     return rows
 
 
-def _require_dimension(own: int, dimension: int, key: str) -> None:
-    if own != dimension:
-        where = {2: "in the plane", 3: "in space"}
+def _as_wide(matrix: FloatArray, dimension: int, key: str) -> FloatArray:
+    """A matrix for a recording in the plane or in space ``(d, d)``."""
+    if len(matrix) == dimension:
+        return matrix
+    tilt = np.degrees(np.arcsin(min(1.0, float(np.linalg.norm(matrix[:2, 2])))))
+    if tilt > MOST_TILT:
         raise InvalidInput(
-            f"{key}.rotation must be one {where[dimension]}, got one {where[own]}; "
-            + ("write an angle" if dimension == 2 else "write a matrix, quaternion or Euler angles")
+            f"{key}.rotation must leave the plane in place in a recording in the plane, got one "
+            f"that turns it out by {tilt:.3g}°; where axes are exchanged, map them (--map "
+            f"f1y=-Fz …), else record all six axes and leave out --space plane, so that it is read "
+            "in space, or turn its readings beforehand, coopenv.logs.calibration.turned"
+        )
+    return matrix[:2, :2]
+
+
+def _require_plane(dimension: int, key: str) -> None:
+    if dimension != 2:
+        raise InvalidInput(
+            f"{key}.rotation must be one in space, got one in the plane; write a matrix, "
+            "quaternion or Euler angles"
         )

@@ -8,10 +8,12 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.explanations import Explanation, explanations
 from coopenv.logs.consistency.known import Motion, Windows
-from coopenv.logs.consistency.misfit import Misfit, best_delay
+from coopenv.logs.consistency.late import Times
+from coopenv.logs.consistency.misfit import Misfit
 from coopenv.logs.consistency.windows import Segments
 from coopenv.logs.layout import Layout
 from coopenv.logs.recorded import Recording
+from coopenv.logs.recorded.devices import Devices
 
 MOST_ROWS = 30_000  # that are kept, after averaging to some hundred a second: five minutes
 ENOUGH = 20  # rows in a window of `Segments`, of more some are averaged
@@ -38,6 +40,7 @@ class Balance:
     delay: float = np.nan  # [s] by which the pose is late, where that fits best
     rows: int = 0  # compared, after averaging
     unchecked: str = ""  # why nothing could be compared
+    devices: tuple[str, ...] = ()  # how late each of several fits best, in words
     explanations: tuple[
         Explanation, ...
     ] = ()  # mistakes that would account for it, likeliest first
@@ -57,13 +60,14 @@ class Balance:
             f"known body: {100 * self.left:.2g} % of what moves it is not accounted for; the pose "
             f"fits best {self.delay:+.3f} s late"
         )
+        yield from (f"known body: {said}" for said in self.devices)
 
 
 class Balancing:
     """Collects the rows of a recording that comes chunk by chunk, as many as fit in memory."""
 
-    def __init__(self, layout: Layout):
-        self._layout = layout
+    def __init__(self, layout: Layout, devices: Devices | None = None):
+        self._layout, self._devices = layout, devices
         self._segments = Segments(ENOUGH)
         self._kept: list[Recording] = []
         self._rows = 0
@@ -89,15 +93,14 @@ class Balancing:
         if misfit.is_still():
             return Balance(unchecked="it hardly moves")
         motions = [each.motion for each in windows]
-        delay, fits = best_delay(motions, body, dimension)
+        times = Times.of(motions, body, dimension, self._devices)
         return Balance(
             axes=tuple(_axes(misfit, dimension)),
             left=misfit.share(),
-            delay=delay,
+            delay=times.delay,
+            devices=times.lines(),
             rows=self._rows,
-            explanations=tuple(
-                explanations(windows, misfit, self._layout, dimension, (delay, fits))
-            ),
+            explanations=tuple(explanations(windows, misfit, self._layout, dimension, times)),
         )
 
 

@@ -27,7 +27,8 @@ from coopenv.logs.consistency.mistakes import (
 )
 from coopenv.logs.consistency.windows import WINDOW, Segments
 from coopenv.logs.layout import Layout
-from coopenv.logs.recording import Recording
+from coopenv.logs.recorded import Recording
+from coopenv.logs.recorded.devices import Devices
 
 DEGREES = 180 / np.pi
 APART = 2.0  # ratio of speeds of pose and twist from which one is in another unit
@@ -50,16 +51,18 @@ class Check:
     ----------
     layout
         What was declared of the file.
+    devices
+        Whose pose and wrenches are, where several devices are joined.
     """
 
-    def __init__(self, layout: Layout):
+    def __init__(self, layout: Layout, devices: Devices | None = None):
         self._layout = layout
         self._segments = Segments()
         self._laws = Laws(layout)
         self._other_angle: Laws | None = None  # as if rad were deg, or the reverse
         self._missing = "it has no rows"
         known = layout.body.mass is not None
-        self._balancing = Balancing(layout) if known else None
+        self._balancing = Balancing(layout, devices) if known else None
 
     def add(self, recording: Recording) -> None:
         """Append rows."""

@@ -11,8 +11,10 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.calibration.body import Body
+from coopenv.logs.consistency.found import sensors_named
 from coopenv.logs.consistency.known import Windows
 from coopenv.logs.consistency.misfit import Misfit
+from coopenv.logs.recorded.devices import Devices
 from coopenv.wrench.grasp import cross
 
 UNIT = np.eye(3)
@@ -29,7 +31,15 @@ class Corrected:
     ``("weight moment", a)`` of the weight alone of all loads; and ``("com", a)``.
     """
 
-    def __init__(self, windows: Sequence[Windows], misfit: Misfit, body: Body, dimension: int):
+    def __init__(
+        self,
+        windows: Sequence[Windows],
+        misfit: Misfit,
+        body: Body,
+        dimension: int,
+        devices: Devices | None = None,
+    ):
+        self._devices = devices
         self.num_effectors = windows[0].motion.force.shape[1]
         self.force_axes = range(dimension)
         self.torque_axes = range(3) if dimension == 3 else range(2, 3)
@@ -58,6 +68,10 @@ class Corrected:
         made = copy(self)
         made.free = tuple(keys)
         return made
+
+    def named(self, group: tuple[int, ...]) -> str:
+        """Some sensors in words."""
+        return sensors_named(group, self.num_effectors, self._devices)
 
     def numbers(
         self,

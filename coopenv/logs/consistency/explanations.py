@@ -13,8 +13,9 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.corrected import UNIT, Corrected
 from coopenv.logs.consistency.fitted import bias, center_of_mass, handle, offset, rotation, weight
-from coopenv.logs.consistency.found import Explanation, sensors_named
+from coopenv.logs.consistency.found import Explanation, label
 from coopenv.logs.consistency.known import Motion, Windows
+from coopenv.logs.consistency.late import Times
 from coopenv.logs.consistency.misfit import Misfit
 from coopenv.logs.consistency.taken import constants, loads
 from coopenv.logs.consistency.units import other_units, units
@@ -33,20 +34,22 @@ def explanations(
     misfit: Misfit,
     layout: Layout,
     dimension: int,
-    delay: tuple[float, float],
+    times: Times,
 ) -> Iterator[Explanation]:
     """Mistakes that would account for most of what is left, likeliest first; at most three.
 
-    ``delay`` is the one that fits best [s], and the share that it leaves.
+    ``times`` are the delays that fit best.
     """
     left = misfit.share()
     if left < DOUBT:
         return
     d = dimension
-    tried = [*_of_pose(windows, misfit, layout, delay, d)]
+    devices = times.devices
+    tried = [*times.explanations(layout)]
+    tried += _of_pose(windows, misfit, layout, d, label(devices.pose) if devices else "")
     good = []
     if windows[0].motion.force.shape[1] <= MOST_EFFECTORS:
-        sums = Corrected(windows, misfit, layout.body, d)
+        sums = Corrected(windows, misfit, layout.body, d, devices)
         tried += [*_of_readings(sums, layout), *_of_places(sums, layout)]
         tried += [*bias(sums), *weight(sums), *center_of_mass(sums, layout)]
         good = _beside_what_was_taken_off(sums, layout)
@@ -117,15 +120,10 @@ def _of_pose(
     windows: Sequence[Windows],
     misfit: Misfit,
     layout: Layout,
-    delay: tuple[float, float],
     dimension: int,
+    whose: str,
 ) -> Iterator[Explanation]:
-    """Mistakes of times, of frames and of orientations, and grips that are exchanged."""
-    late, left = delay
-    if abs(late) > 0.004:
-        total = layout.pose.delay + late
-        text = f"the pose is {abs(late):.3f} s {'late' if late > 0 else 'early'}"
-        yield Explanation("delay", text, f"[pose] delay = {total:.3f}", left, 1)
+    """Mistakes of frames and of orientations, which are ``whose``, and grips exchanged."""
 
     def share(change) -> float:
         motions = [Windows(change(each.motion)) for each in windows]
@@ -136,7 +134,7 @@ def _of_pose(
         factor = UNITS["angle"][unit] / layout.factor("angle")
         yield Explanation(
             "angle",
-            f"theta is in {unit}",
+            f"theta{whose} is in {unit}",
             f"--angle {unit}",
             share(lambda motion: motion.turned_by(factor)),
             1,
@@ -146,14 +144,14 @@ def _of_pose(
         places = [3, 0, 1, 2] if order == "xyzw" else [1, 2, 3, 0]
         yield Explanation(
             "order",
-            f"quaternions are {' '.join(order)}",
+            f"quaternions{whose} are {' '.join(order)}",
             f'[pose] order = "{order}"',
             share(lambda motion: replace(motion, quaternion=motion.quaternion[:, places])),
             1,
         )
         yield Explanation(
             "inverse",
-            "orientations turn the world's vectors to the object's",
+            f"orientations{whose} turn the world's vectors to the object's",
             "take the inverse (of a matrix, order = columns)",
             share(lambda motion: replace(motion, quaternion=motion.quaternion * [1, -1, -1, -1])),
             1,
@@ -191,7 +189,7 @@ def _in_other_frame(motion: Motion, frame: str) -> Motion:
 
 def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
     """Signs and axes of some sensors, the file's: the mistakes that have no number."""
-    who, d = sensors_named(group, sums.num_effectors), len(sums.force_axes)
+    who, d = sums.named(group), len(sums.force_axes)
     keys = f"[sensors.{group[0] + 1}]" if len(group) == 1 else "each sensor's table"
 
     mounted = {i: _mounting(i, layout, d) for i in group}

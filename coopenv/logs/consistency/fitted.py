@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.corrected import MOST_LOAD, Corrected
-from coopenv.logs.consistency.found import Explanation, are, sensors_named
+from coopenv.logs.consistency.found import Explanation, are
 from coopenv.logs.consistency.taken import weights
 from coopenv.logs.layout import Layout
 
@@ -51,7 +51,7 @@ def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterato
         said = " and ".join(f"{np.degrees(float(each)):.3g}°" for each in angle)
     yield Explanation(
         "rotation",
-        f"{sensors_named(group, sums.num_effectors)} {are(group)} turned by {said}",
+        f"{sums.named(group)} {are(group)} turned by {said}",
         _tables(group, "rotation", values),
         sums.share(sums.numbers(axes(best.x))),
         RANKS["rotation"],
@@ -69,7 +69,7 @@ def offset(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[
     values = [_as_declared(i, each, layout) for i, each in zip(group, places, strict=True)]
     yield Explanation(
         "offset",
-        f"{sensors_named(group, sums.num_effectors)} {are(group)} beside the grip, which is "
+        f"{sums.named(group)} {are(group)} beside the grip, which is "
         f"{' and '.join(f'{_listed(each, 3)} m' for each in places)} from there (object's axes)",
         _tables(group, "offset", values),
         sums.share_with(keys, found),
@@ -129,7 +129,7 @@ def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
     carry = "carries" if len(group) == 1 else "carry"
     yield Explanation(
         "load",
-        f"{sensors_named(group, sums.num_effectors)} {carry} {said} on the {side}'s side",
+        f"{sums.named(group)} {carry} {said} on the {side}'s side",
         _tables(group, "load", [f'{{ mass = {abs(m):.3g}, side = "{side}" }}' for m in masses]),
         sums.share_with(keys, found),
         RANKS["load"] + 1,

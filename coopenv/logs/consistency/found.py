@@ -2,6 +2,10 @@
 
 from dataclasses import dataclass
 
+from coopenv.logs.formats.chunks import Owner
+from coopenv.logs.limits import legible, shown
+from coopenv.logs.recorded.devices import Devices
+
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
@@ -20,12 +24,16 @@ def are(group: tuple[int, ...]) -> str:
     return "is" if len(group) == 1 else "are"
 
 
-def sensors_named(group: tuple[int, ...], count: int) -> str:
-    """Some sensors in words."""
+def sensors_named(group: tuple[int, ...], count: int, devices: Devices | None = None) -> str:
+    """Some sensors in words, each with its file where several are joined."""
+    named = [f"{i + 1}{label(devices.sensors[i]) if devices else ''}" for i in group]
     if len(group) == 1:
-        return f"sensor {group[0] + 1}"
-    return (
-        "all sensors"
-        if len(group) == count and count > 2
-        else "sensors " + " and ".join(str(i + 1) for i in group)
-    )
+        return f"sensor {named[0]}"
+    if len(group) == count and count > 2:
+        return "all sensors"
+    return f"sensors {' and '.join(named)}"
+
+
+def label(owner: Owner | None) -> str:
+    """A device in brackets, where there is one."""
+    return "" if owner is None else f" ({shown(legible(owner.label))})"

@@ -6,6 +6,7 @@ nothing that was measured is differentiated twice. Means are given along the obj
 middle of the window. A recording in the plane is one in space whose other components are zero.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,17 +68,18 @@ class Motion:
         assert self.angle is not None
         return replace(self, quaternion=_about_z(factor * self.angle), angle=factor * self.angle)
 
-    def shifted(self, rows: int) -> "Motion":
-        """The pose of every row with the wrench of so many rows before."""
+    def shifted(self, rows: int, sensors: Sequence[int] = (), *, pose: bool = True) -> "Motion":
+        """The pose, and wrenches of some sensors, with the others of so many rows before."""
         late = slice(max(rows, 0), min(rows, 0) or None)
         early = slice(max(-rows, 0), min(-rows, 0) or None)
+        chosen = np.isin(np.arange(self.force.shape[1]), sensors)[:, None]
         return Motion(
             step=self.step,
-            force=self.force[early],
-            torque=self.torque[early],
+            force=np.where(chosen, self.force[late], self.force[early]),
+            torque=np.where(chosen, self.torque[late], self.torque[early]),
             grips=self.grips[early],
-            position=self.position[late],
-            quaternion=self.quaternion[late],
+            position=self.position[late if pose else early],
+            quaternion=self.quaternion[late if pose else early],
         )
 
 

@@ -51,15 +51,27 @@ def _scale(wanted: FloatArray, reach: float) -> FloatArray:
     return np.repeat([force, torque], 3)
 
 
-def best_delay(motions: Sequence[Motion], body: Body, dimension: int) -> tuple[float, float]:
-    """By how much [s] the pose is late where that fits best, and the `Misfit.share` then."""
+def best_delay(
+    motions: Sequence[Motion],
+    body: Body,
+    dimension: int,
+    sensors: Sequence[int] = (),
+    *,
+    pose: bool = True,
+) -> tuple[float, float]:
+    """By how much [s] something is late where that fits best, and the `Misfit.share` then.
+
+    Late may be the pose, or the wrenches of some sensors, or both.
+    """
     step = max(each.step for each in motions)
     most = round(DELAYS / step)
     every = max(1, round(0.01 / step))
 
     def share(rows: int) -> float:
         # a delay is a time: where runs have other steps, it is another number of rows
-        moved = [each.shifted(round(rows * step / each.step)) for each in motions]
+        moved = [
+            each.shifted(round(rows * step / each.step), sensors, pose=pose) for each in motions
+        ]
         windows = [each for each in map(Windows, filter(_long, moved)) if len(each)]
         return Misfit.of(windows, body, dimension).share() if windows else np.inf
 

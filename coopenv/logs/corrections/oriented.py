@@ -4,29 +4,50 @@ It stands next to the file, before devices are joined and gaps filled: only a qu
 turned evenly from one sample to the next.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
-from coopenv.logs.calibration.orientation import IN_ANGLES, heading, quaternions
+from coopenv.logs.calibration.declared import ORIENTED
+from coopenv.logs.calibration.orientation import IN_ANGLES, heading, quaternions, tilt
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import factor_of
 from coopenv.logs.formats.chunks import Chunk, Roles, Source
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import shown
 
-MADE = (*ORIENTATION[3], *ORIENTATION[2])
+MADE = ORIENTED
+MOST_TILT = 30.0  # [degrees] of the object's z axis against the world's in the plane
+FLAT = (
+    f"a turn about z that tilts it by at most {MOST_TILT:g}°, as the recording is in the plane "
+    '(where y is up, exchange axes: pose.columns = ["qx", "-qz", "qy", "qw"])'
+)
 
 
 def written_in(layout: Layout) -> tuple[str, ...]:
-    """Columns in which ``[pose]`` says that the orientation is; none where it is as documented."""
+    """Columns that hold the orientation, where it is not written as documented; else none.
+
+    Those of ``[pose]``, or those that ``[columns]`` calls qw, qx, qy and qz, which by ``order`` are
+    something else; a minus in front turns the sign.
+    """
     pose = layout.pose
     if not pose.columns and pose.order in (None, "wxyz"):
         return ()
-    return pose.columns or tuple(ORIENTATION[3])
+    return pose.columns or tuple(layout.columns.get(name, name) for name in ORIENTATION[3])
+
+
+def as_made(layout: Layout) -> Layout:
+    """The layout of a source that `oriented` made: its orientation is called as documented."""
+    if not written_in(layout):
+        return layout
+    kept = {name: theirs for name, theirs in layout.columns.items() if name not in MADE}
+    if not layout.pose.columns and layout.columns.get("theta") is not None:
+        kept["theta"] = layout.columns["theta"]  # of its own
+    return replace(layout, columns=kept)
 
 
 def oriented(
@@ -53,28 +74,47 @@ def oriented(
     used = written_in(layout) if used is None else used
     if not used:
         return source
-    source.offer(used)
-    for name in used:
+    source.offer(name for each in used for name in (each, each.removeprefix("-")))
+    plain = unsigned(used, source.columns)
+    for name in plain:
         if name not in source.columns:
             raise InvalidInput(
-                f"{path}: pose.columns must be columns of the file, got {name!r}; has: "
-                f"{', '.join(source.columns[:30])}"
+                f"{path}: {key_of(layout)} must be columns of the file, got {name!r}; has: "
+                f"{', '.join(map(shown, source.columns[:30]))}"
             )
-    return _Oriented(source, path, layout, used)
+    signs = [1.0 if name == each else -1.0 for name, each in zip(plain, used, strict=True)]
+    return _Oriented(source, path, layout, plain, signs)
+
+
+def key_of(layout: Layout) -> str:
+    """What of the layout names the columns of the orientation, for messages."""
+    return "pose.columns" if layout.pose.columns else "qw, qx, qy and qz, of which pose.order is,"
+
+
+def unsigned(used: tuple[str, ...], columns: Collection[str]) -> tuple[str, ...]:
+    """Columns without the minus that turns their sign; one may be called so."""
+    return tuple(name if name in columns else name.removeprefix("-") for name in used)
 
 
 class _Oriented(Source):
     """Another source, read with more columns than it has."""
 
-    def __init__(self, source: Source, path: str, layout: Layout, used: tuple[str, ...]):
+    def __init__(
+        self,
+        source: Source,
+        path: str,
+        layout: Layout,
+        used: tuple[str, ...],
+        signs: Sequence[float],
+    ):
         self._source, self._used, self._pose = source, used, layout.pose
         self._angle = layout.factor("angle")
         angles = layout.pose.orientation in IN_ANGLES
         self._factors = [
-            factor_of(path, name, "angle", source.units[name], layout.angle)
+            sign * factor_of(path, name, "angle", source.units[name], layout.angle)
             if angles and name in source.units
-            else self._angle * angles or 1.0
-            for name in used
+            else sign * (self._angle * angles or 1.0)
+            for name, sign in zip(used, signs, strict=True)
         ]
         self.stamped = source.stamped
         self._take()
@@ -82,11 +122,15 @@ class _Oriented(Source):
     def _take(self) -> None:
         source = self._source
         own = [name for name in source.columns if name not in self._used]
+        made = MADE if self._pose.columns else ORIENTATION[3]
+        instead = [name for name in own if name in made]
+        own = [name for name in own if name not in instead]
         self.made = tuple(name for name in MADE if name not in own)
         self.columns = [*own, *self.made]
         self.units = {name: unit for name, unit in source.units.items() if name in own}
-        self.repeated = [name for name in source.repeated if name not in self._pose.columns]
-        self.left_out, self.grips = source.left_out, source.grips
+        taken = (*self._used, *instead)
+        self.repeated = [name for name in source.repeated if name not in taken]
+        self.left_out, self.grips = (*source.left_out, *instead), source.grips
 
     @property
     def num_fields(self) -> int:
@@ -125,6 +169,7 @@ class _Oriented(Source):
         quaternion = quaternions(values * self._factors, self._pose.orientation, self._pose.order)
         columns = dict(zip(ORIENTATION[3], quaternion.T, strict=True))
         columns["theta"] = heading(quaternion) / self._angle
+        tilted = tilt(quaternion) > np.radians(MOST_TILT)
         numbers = {name: chunk.numbers[name] for name in rest}
         numbers |= {name: columns[name] for name in made}
         bad = {name: each for name, each in chunk.bad.items() if name in rest}
@@ -132,6 +177,11 @@ class _Oriented(Source):
         if wrong:
             any_wrong: BoolArray = np.logical_or.reduce(wrong)
             bad |= dict.fromkeys(made, any_wrong)
+        rules = dict(chunk.rules)
+        if "theta" in made and tilted.any():
+            numbers["theta"] = np.where(tilted, np.nan, numbers["theta"])
+            bad["theta"] = tilted | bad.get("theta", False)
+            rules["theta"] = FLAT
         return _OrientedChunk(
             numbers=numbers,
             carried=chunk.carried,
@@ -139,7 +189,7 @@ class _Oriented(Source):
             first_row=chunk.first_row,
             progress=chunk.progress,
             rule=chunk.rule,
-            rules=chunk.rules,
+            rules=rules,
             bad=bad,
             fields=chunk.fields,
             read=chunk,
@@ -162,7 +212,7 @@ class _OrientedChunk(Chunk):
     def called(self, column: str) -> str:
         if column not in self.made:
             return self.read.called(column)
-        return f"columns {', '.join(self.used)}, which make {column!r},"
+        return f"columns {', '.join(map(shown, self.used))}, which make {column!r},"
 
     def text(self, row: int, column: str) -> str:
         if column not in self.made:

@@ -86,6 +86,11 @@ class Joining(Dialect):
         """How texts are written."""
         return Dialect(**{each.name: getattr(self, each.name) for each in fields(Dialect)})
 
+    @property
+    def joins(self) -> bool:
+        """Whether times are those of devices, which the layout names."""
+        return bool(self.files or self.join or self.join_rate or self.sample_rate)
+
     def devices(self, itself: str) -> tuple[Device, ...]:
         """All that are joined, the recording itself first; alone where nothing is joined.
 

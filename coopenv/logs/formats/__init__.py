@@ -1,7 +1,7 @@
 """File formats of recordings, and the registry that opens a file by the suffix of its name.
 
-A format is one file of this folder with a `Source`, which reads, and a `Sink`, which writes, and
-one line in `FORMATS`; or with a source alone, and a line in `READ`.
+A format is one file or folder of this folder with a `Source`, which reads, and a `Sink`, which
+writes, and one line in `FORMATS`; or with a source alone, and a line in `READ`.
 """
 
 import os
@@ -9,13 +9,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from coopenv.errors import InvalidInput
-from coopenv.files import reading, require_file
+from coopenv.files import reading
 from coopenv.logs.declared.dialect import Dialect
-from coopenv.logs.formats.bags import BagSource, topics
+from coopenv.logs.formats.bags import BagSource, require_recording, topics
 from coopenv.logs.formats.c3d import C3dSource, parts
 from coopenv.logs.formats.chunks import Format, Sink, Source
 from coopenv.logs.formats.hdf5 import Hdf5Source
-from coopenv.logs.formats.mat import MatSource
+from coopenv.logs.formats.matlab import MatSource
 from coopenv.logs.formats.npz import NpzSink, NpzSource
 from coopenv.logs.formats.parquet import ParquetSink, ParquetSource
 from coopenv.logs.formats.text import TextSink, TextSource
@@ -28,11 +28,14 @@ FORMATS = (
 )
 """Those that are read and written."""
 
+BAGS = Format((".mcap", ".db3", ".bag"), BagSource, None, topics)
+"""Also folders with a `metadata.yaml`."""
+
 READ = (
     Format((".csv.gz", ".tsv.gz", ".txt.gz"), TextSource, None),
     Format((".mat",), MatSource, None),
     Format((".h5", ".hdf5", ".hdf", ".he5"), Hdf5Source, None),
-    Format((".mcap", ".db3", ".bag"), BagSource, None, topics),
+    BAGS,
     Format((".c3d",), C3dSource, None, parts),
 )
 """Those that are only read."""
@@ -65,7 +68,7 @@ def open_source(
         If reading it needs an extra.
     """
     path = Path(path)
-    require_file(path)
+    require_recording(path)
     with reading(path):
         known = find_format(path)
         if part and known not in PARTED:
@@ -77,14 +80,14 @@ def open_source(
         return known.source(*given, *filter(None, [part]))
 
 
-def parts_of(path: Path) -> list[str]:
+def parts_of(path: Path, limits: Limits | None = None) -> list[str]:
     """Streams that a file of this format keeps apart, such as topics; none of most formats."""
+    require_recording(path)
     known = find_format(path)
     if known.parts is None:
         return []
-    require_file(path)
     with reading(path):
-        return known.parts(path)
+        return known.parts(path, limits if limits is not None else Limits())
 
 
 def open_sink(path: str | os.PathLike) -> Sink:
@@ -104,7 +107,7 @@ def open_sink(path: str | os.PathLike) -> Sink:
 
 
 def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Format:
-    """The format of which the file has the suffix, in capitals or not.
+    """The format of which the file has the suffix, in capitals or not; a folder is a ROS bag.
 
     Raises
     ------
@@ -112,6 +115,8 @@ def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Form
         If no format has it.
     """
     name = path.name.lower()
+    if BAGS in among and path.is_dir():
+        return BAGS
     for known in among:
         if name.endswith(known.suffixes) and name not in known.suffixes:
             return known
@@ -124,6 +129,9 @@ def find_format(path: Path, among: Sequence[Format] = (*FORMATS, *READ)) -> Form
 def table_beside(path: Path) -> Path:
     """Where the table of a recording goes by default, in its format if that is written."""
     known = find_format(path)
+    if path.is_dir():
+        here = path if path.name not in ("", "..") else path.resolve()
+        return here.with_name(f"{here.name}.decomposed{FORMATS[0].suffixes[0]}")
     suffix = next(each for each in known.suffixes if path.name.lower().endswith(each))
     stem, own = path.name[: -len(suffix)], path.name[-len(suffix) :]
     if known.sink is None or len(known.suffixes) > 1:  # a table is CSV, whatever text was read

@@ -110,7 +110,7 @@ class C3dSource(Source):
         return place.reshape(1, -1)
 
 
-def parts(path: Path) -> list[str]:
+def parts(path: Path, limits: Limits) -> list[str]:
     """Which of analog channels and markers a file has."""
     with _opened(path) as reader:
         return _parts(reader)

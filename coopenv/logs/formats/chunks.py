@@ -64,6 +64,21 @@ class Roles(NamedTuple):
     period: float = math.tau  # of the angle, in its unit
 
 
+class Owner(NamedTuple):
+    """A device whose column it is, where several are joined."""
+
+    name: str
+    path: str
+    part: str = ""  # of a file of several
+    delay: float = 0.0  # by which its stamps are said to be late [s]
+
+    @property
+    def label(self) -> str:
+        """Its file or part, and its name where that is another."""
+        place = self.part or Path(self.path).name
+        return place if self.name in place else f"{self.name}, {place}"
+
+
 class Source(ABC):
     """Reader of a file of one format.
 
@@ -91,6 +106,7 @@ class Source(ABC):
     repeated: Collection[str] = ()  # documented names that several columns had
     stamped: str = ""  # a column of time stamps, whatever is said of units
     made: Collection[str] = ()  # columns that are made of others, and are not in the file
+    owners: Mapping[str, Owner] = MappingProxyType({})  # column -> device, of several on one clock
 
     @abstractmethod
     def __init__(self, path: Path, dialect: Dialect, limits: Limits): ...
@@ -210,7 +226,7 @@ class Format(NamedTuple):
     suffixes: tuple[str, ...]  # of names, in small letters; tables get the first by default
     source: type[Source]
     sink: type[Sink] | None  # none of a format that is only read
-    parts: Callable[[Path], list[str]] | None = None  # of a format that keeps several streams apart
+    parts: Callable[[Path, Limits], list[str]] | None = None  # of one that keeps streams apart
 
 
 PART = re.compile(r"(.+?)((?::\d{1,6})+)", re.DOTALL)  # actions:0, force:1:2

@@ -76,7 +76,7 @@ def inspect_file(
         If reading it needs an extra.
     """
     given = (dialect or Dialect(), limits or Limits())
-    return [_inspected(Path(path), part, *given) for part in parts_of(Path(path)) or [""]]
+    return [_inspected(Path(path), part, *given) for part in parts_of(Path(path), limits) or [""]]
 
 
 def _inspected(path: Path, part: str, dialect: Dialect, limits: Limits) -> Contents:

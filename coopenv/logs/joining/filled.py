@@ -37,6 +37,7 @@ class FilledSource(Source):
         source = self._source
         self.columns, self.left_out, self.grips = source.columns, source.left_out, source.grips
         self.units, self.repeated, self.made = source.units, source.repeated, source.made
+        self.owners = source.owners
 
     @property
     def num_fields(self) -> int:

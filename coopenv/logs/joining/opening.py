@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from coopenv.errors import InvalidInput, UnknownName
-from coopenv.logs.corrections.oriented import oriented, written_in
+from coopenv.logs.corrections.oriented import as_made, key_of, oriented, unsigned, written_in
 from coopenv.logs.declared.devices import Device
 from coopenv.logs.declared.stamps import Origin
 from coopenv.logs.formats import open_source, parts_of
@@ -15,6 +15,7 @@ from coopenv.logs.joining.filled import FilledSource
 from coopenv.logs.joining.source import JoinedSource
 from coopenv.logs.joining.stream import Stream
 from coopenv.logs.layout import Layout
+from coopenv.logs.limits import shown
 
 
 class Opened(NamedTuple):
@@ -57,13 +58,14 @@ def open_recording(path: str | os.PathLike, layout: Layout, *, strict: bool = Tr
         source = _joined(path, layout, devices, strict)
         columns = {name: theirs for name, theirs in layout.columns.items() if name != "time"}
         layout = replace(layout, columns=columns, time="s")
+    layout = as_made(layout)
     return Opened(source if layout.fill == "none" else FilledSource(source, layout), layout)
 
 
 def _devices(path: Path, layout: Layout) -> tuple[Device, ...]:
     """Those that are declared; the streams of a file that has several, where none is."""
     devices = layout.devices(path.name.split(".")[0] or "recording")
-    parts = parts_of(path)
+    parts = parts_of(path, layout.limits)
     own = [device for device in devices if not device.path and not device.part]
     if not parts or not own:
         return devices
@@ -84,8 +86,8 @@ def _joined(path: Path, layout: Layout, devices: tuple[Device, ...], strict: boo
     several = sum(not device.path for device in devices) > 1
     if several and not layout.clock and layout.join_rate is None:
         raise InvalidInput(
-            f"{path} must be joined on the clock of one of its streams, got {', '.join(names)}; "
-            f"say --clock {names[0]}, or --join-rate"
+            f"{path} must be joined on the clock of one of its streams, got "
+            f"{', '.join(map(shown, names))}; say --clock {shown(names[0])}, or --join-rate"
         )
     origin = Origin()
     streams = [
@@ -112,16 +114,23 @@ def _orient(path: Path, layout: Layout, streams: list[Stream]) -> None:
         return
     found: list[tuple[Stream, tuple[str, ...]]] = []
     for stream in streams:
-        own = tuple(name.removeprefix(f"{stream.name}/") for name in asked)
-        stream.source.offer(own)
-        if set(own) <= set(stream.source.columns):
+        own = tuple(_own(name, stream.name) for name in asked)
+        stream.source.offer(name for each in own for name in (each, each.removeprefix("-")))
+        columns = stream.source.columns
+        if set(unsigned(own, columns)) <= set(columns):
             found.append((stream, own))
     if len(found) != 1:
-        which = " and ".join(stream.name for stream, _ in found) or "none"
+        which = " and ".join(shown(stream.name) for stream, _ in found) or "none"
         remedy = f"write {found[0][0].name}/{asked[0]} …" if found else "look at their names"
         raise InvalidInput(
-            f"{path}: pose.columns must be columns of one device, got {', '.join(asked)} of "
-            f"{which}; {remedy}"
+            f"{path}: {key_of(layout)} must be columns of one device, got "
+            f"{', '.join(map(shown, asked))} of {which}; {remedy}"
         )
     stream, own = found[0]
     stream.source = oriented(stream.source, f"{stream.path}", layout, own)
+
+
+def _own(name: str, device: str) -> str:
+    """What a device calls a column that a layout calls by the device, with its sign."""
+    sign = "-" * name.startswith(f"-{device}/")
+    return sign + name.removeprefix("-" if sign else "").removeprefix(f"{device}/")

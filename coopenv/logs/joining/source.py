@@ -98,6 +98,8 @@ class JoinedSource(Source):
             for stream in self._streams
             for name in stream.source.left_out
         ]
+        several = len(self._streams) > 1 and not self._by_rows
+        self.owners = {name: c.stream.owner for name, c in self._place.items() if several}
         grips = [each.source.grips for each in self._streams if each.source.grips is not None]
         self.grips = grips[0] if grips else None
 
@@ -157,9 +159,12 @@ class JoinedSource(Source):
             for each in self._streams
             if each.delay
         ]
+        said += [note for each in self._streams for note in each.source.notes]
         for stream in self._others:
             if stream.equal:
-                said.append(f"{stream.equal:,} samples of {stream.name} had the time before's")
+                said.append(
+                    f"warning: {stream.equal:,} samples of {stream.name} had the time before's"
+                )
             if stream.dropped:
                 said.append(f"{stream.dropped:,} bad samples of {stream.name} were passed over")
         return said

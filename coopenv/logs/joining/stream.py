@@ -12,7 +12,7 @@ from coopenv.logs.declared.devices import Device
 from coopenv.logs.declared.stamps import ISO, Origin, Stamps, is_form
 from coopenv.logs.declared.units import UNITS, known_unit
 from coopenv.logs.formats import open_source
-from coopenv.logs.formats.chunks import Chunk, Column, Roles
+from coopenv.logs.formats.chunks import Chunk, Column, Owner, Roles
 from coopenv.logs.joining.between import interpolated, neighbours, slerped
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import shown
@@ -69,6 +69,11 @@ class Stream:
     def delay(self) -> float:
         """By which its stamps are late [s]."""
         return self._device.delay
+
+    @property
+    def owner(self) -> Owner:
+        """Who it is, for those to whom it lends columns."""
+        return Owner(self.name, f"{self.path}", self._device.part, self.delay)
 
     @property
     def columns(self) -> list[str]:
@@ -212,7 +217,7 @@ class Stream:
                 (
                     whole & bad,
                     lambda row, name=name: (
-                        f", {chunk.called(name)} must be {chunk.rule}, got "
+                        f", {chunk.called(name)} must be {chunk.rules.get(name, chunk.rule)}, got "
                         f"{shown(chunk.text(row, name))!r}"
                     ),
                 )
@@ -252,6 +257,7 @@ class Stream:
         source.offer([wanted])
         there = wanted if wanted in source.columns else "time" * ("time" in source.columns)
         if device.rate is not None:
+            there = there or next((c for c in source.columns if c.strip().lower() == "time"), "")
             if there and mapped and not device.time:
                 raise InvalidInput(
                     f"{self.path}: sample_rate must be left out where there is a column of time, "

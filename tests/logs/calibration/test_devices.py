@@ -11,21 +11,11 @@ from scipy.spatial.transform import Rotation
 from coopenv.errors import InvalidInput
 from coopenv.logs import Layout, analyse, check_file, read
 from tests.logs import cases
-from tests.logs.calibration import lab
+from tests.logs.calibration import files, lab
 from tests.logs.calibration.lab import declared, seen_in
 
 MEASURES = ("internal_force_level", "internal_torque_level", "relative_cost")
-CAMERA = {"path": "camera.csv", "time": "stamp", "unit": "ms", "delay": lab.DELAY}
-POSE = {"columns": ["q0", "q1", "q2", "q3"], "order": "xyzw"}
-LOAD = {"mass": lab.HANDLE}
-
-
-def camera(columns: dict, turn: Rotation, every: int = 10) -> dict[str, Any]:
-    """What a camera says of a pose: w last, at a tenth of the rate, stamped late [ms]."""
-    made = {"stamp": 1000 * (columns["time"] + lab.DELAY)}
-    made |= {name: columns[name] for name in "xyz" if name in columns}
-    made |= {f"q{j}": each for j, each in enumerate(turn.as_quat().T)}
-    return {name: each[::every] for name, each in made.items()}
+POSE = files.POSE
 
 
 def layout_file(folder: Path, **said: Any) -> Layout:
@@ -39,64 +29,44 @@ def as_it_was(seen: Any, columns: dict, folder: Path, **said: Any) -> Any:
     return truth.take(np.searchsorted(truth.time, seen.time - 1e-6))
 
 
-def require_same_measures(seen: Any, truth: Any, every: int) -> None:
+def measures(seen: Any, truth: Any, every: int) -> dict[str, tuple[Any, Any]]:
+    """F_I, T_I and γ of every so many rows, as they were found and as they are."""
     got, right = (analyse(each.take(slice(0, None, every))) for each in (seen, truth))
-    for name in MEASURES:
-        size = np.abs(right[name]).max()
+    return {name: (got[name], right[name]) for name in MEASURES}
+
+
+@pytest.mark.parametrize("trial", [files.plane, files.space], ids=["plane", "space"])
+def test_one_layout_gives_the_measures_of_sensors_and_a_slow_late_camera(trial, tmp_path):
+    made = trial(tmp_path)
+    seen: Any = read(made.path, layout_file(tmp_path, **made.said))
+    truth = as_it_was(seen, made.columns, tmp_path, **made.truth)
+    assert seen.good.all()
+    assert len(seen) == made.rows  # up to the last picture
+    np.testing.assert_allclose(seen.position, truth.position, atol=2e-4)
+    if seen.orientation.ndim == 1:
+        np.testing.assert_allclose(seen.orientation, truth.orientation, atol=1e-4)
+    else:
+        apart = (seen.orientation * truth.orientation).sum(axis=-1)
+        np.testing.assert_allclose(np.abs(apart), 1.0, atol=1e-7)
+    for name, (got, right) in measures(seen, truth, made.every).items():
+        size = np.abs(right).max()
         assert size > 0.05
-        np.testing.assert_allclose(got[name], right[name], atol=0.01 * size, err_msg=name)
+        np.testing.assert_allclose(got, right, atol=0.01 * size, err_msg=name)
 
 
-def test_one_layout_gives_the_measures_in_the_plane_of_sensors_and_a_slow_late_camera(tmp_path):
-    episode, grips = lab.planar()
-    columns = dict(episode)
-    turn = Rotation.from_euler("z", columns["theta"][:, None])
-    forces = {n: each for n, each in lab.written_in_the_plane().items() if n[0] in "ft"}
-    del forces["theta"]
-    down = turn.inv().apply([0.0, -lab.GRAVITY, 0.0])  # the object's axes
-    weight = lab.HANDLE * Rotation.from_euler("z", -lab.ANGLE).apply(down)
-    moment = lab.HUNG[0] * weight[:, 1] - 0.06 * weight[:, 0]
-    for i in (1, 2):  # a handle at (0.01, 0.06) hangs on each sensor, which says the reaction
-        forces[f"f{i}x"] = forces[f"f{i}x"] - weight[:, 0] / lab.POUND
-        forces[f"f{i}y"] = forces[f"f{i}y"] - weight[:, 1] / lab.POUND
-        forces[f"t{i}z"] = forces[f"t{i}z"] - moment / (lab.POUND * 0.0254)
-    cases.save(camera(columns, turn), tmp_path / "camera.csv")
-    said = lab.layout_in_the_plane() | {"files": {"camera": CAMERA}, "pose": POSE}
-    said["body"] = {"gravity": [0.0, -lab.GRAVITY]}
-    for sensor in said["sensors"].values():
-        sensor["load"] = LOAD | {"center": [0.01, 0.06]}
-    path = cases.save(forces, tmp_path / "forces.csv")
-    seen: Any = read(path, layout_file(tmp_path, **said))
-    truth = as_it_was(seen, columns, tmp_path, grips=grips)
-    assert seen.good.all()
-    assert len(seen) == 5991  # up to the last picture
-    np.testing.assert_allclose(seen.position, truth.position, atol=2e-4)
-    np.testing.assert_allclose(seen.orientation, truth.orientation, atol=1e-4)
-    require_same_measures(seen, truth, 7)
-
-
-def test_one_layout_gives_the_measures_in_space_of_a_file_a_sensor_and_a_camera(tmp_path):
-    columns = dict(lab.spatial())
-    turn = Rotation.from_quat(np.stack([columns[f"q{axis}"] for axis in "xyzw"], axis=-1))
-    habits = ("rotation", "offset", "handle", "bias", "units")
-    written = lab.written_in_space(*habits)
-    for i in (1, 2):
-        each = {n: written[n] for n in written if n[0] in "ftr" and n[1] == str(i)}
-        time = {"time": columns["time"]} if i == 1 else {"ms": 1000 * columns["time"]}
-        rows = slice(3 * (i - 1), None)  # the second begins later
-        cases.save({n: v[rows] for n, v in (time | each).items()}, tmp_path / f"{i}.csv")
-    cases.save(camera(columns, turn), tmp_path / "camera.csv")
-    said = lab.layout_in_space(*habits) | {"pose": POSE}
-    second = {"path": "2.csv", "time": "ms", "unit": "ms"}
-    said["files"] = {"camera": CAMERA, "second": second}
-    seen: Any = read(tmp_path / "1.csv", layout_file(tmp_path, **said))
-    truth = as_it_was(seen, columns, tmp_path)
-    assert seen.good.all()
-    assert len(seen) == 5988
-    np.testing.assert_allclose(seen.position, truth.position, atol=2e-4)
-    apart = (seen.orientation * truth.orientation).sum(axis=-1)
-    np.testing.assert_allclose(np.abs(apart), 1.0, atol=1e-7)
-    require_same_measures(seen, truth, 250)
+@pytest.mark.parametrize("trial", [files.plane, files.space], ids=["plane", "space"])
+def test_with_noise_on_every_file_the_measures_are_right_to_a_hundredth(trial, tmp_path):
+    """In root mean square over the trial; of single samples nineteen in twenty, of the largest."""
+    made = trial(tmp_path, noise=True)
+    filters = {"wrench": 8.0, "pose": 6.0, "rate": 50.0}
+    seen: Any = read(made.path, layout_file(tmp_path, **made.said, filters=filters))
+    assert len(seen) == 300
+    seen = seen.take(slice(10, -10))  # of the ends a filter knows one side
+    truth = as_it_was(seen, made.columns, tmp_path, **made.truth)
+    for name, (got, right) in measures(seen, truth, 1 if made.every < 100 else 5).items():
+        wrong = np.abs(got - right)
+        assert np.sqrt((wrong**2).mean() / (right**2).mean()) < 0.01, name
+        assert np.percentile(wrong, 95) < 0.01 * right.max(), name
 
 
 def beside(folder: Path, pose: dict, rows: int = 200, **columns: Any) -> Path:

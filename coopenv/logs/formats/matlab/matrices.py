@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.chunks import Source
 from coopenv.logs.formats.damage import parsing
 from coopenv.logs.formats.hdf5 import data_sets, opened
+from coopenv.logs.formats.matlab.elements import Elements
 from coopenv.logs.formats.named import BLOCKS, ArraySource, Read
 from coopenv.logs.limits import Limits, shown
 
@@ -177,27 +178,48 @@ def _inflated(path: Path, limits: Limits, remedy: str) -> int:
     total, at = 0, HEADER
     with path.open("rb") as file:
         head = file.read(HEADER)
-        order = {b"IM": "little", b"MI": "big"}.get(head[126:128])
+        orders: dict[bytes, Literal["little", "big"]] = {b"IM": "little", b"MI": "big"}
+        order = orders.get(head[126:128])
         if order is None:  # version 4 is not compressed
             return size
         while at + 8 <= size:
             file.seek(at)
             tag = file.read(8)
-            kind = int.from_bytes(tag[:4], order)  # pyright: ignore[reportArgumentType]
-            length = int.from_bytes(tag[4:], order)  # pyright: ignore[reportArgumentType]
-            total += 8 + (_size_of(file.read(length), limits) if kind == COMPRESSED else length)
+            kind = int.from_bytes(tag[:4], order)
+            length = int.from_bytes(tag[4:], order)
+            held = min(length, size - at - 8)  # whatever it claims
+            if kind == COMPRESSED:
+                whole = _inflation(file.read(held), limits.block_bytes - total)
+                total += 8 + len(whole)
+            else:
+                file.seek(at)
+                whole = file.read(8 + held)
+                total += 8 + length
             limits.require("block_bytes", total, f"{path}", remedy)
+            _require_elements(path, whole, order, at)
             at += 8 + length
     return total
 
 
-def _size_of(data: bytes, limits: Limits) -> int:
-    """How large compressed data is, as far as the limit; damage is told where it is read."""
-    inflate, size = zlib.decompressobj(), 0
+def _require_elements(path: Path, data: bytes, order: Literal["little", "big"], place: int) -> None:
+    """Raise where SciPy could not go through what a variable is made of."""
     try:
-        while data and size <= limits.block_bytes:
-            size += len(inflate.decompress(data, PIECE))
+        Elements(data, order).require_matrix()
+    except ValueError as error:
+        raise InvalidInput(
+            f"{path}, variable at byte {place} must be whole and of elements that MATLAB has, got "
+            f"{error}; save it again"
+        ) from None
+
+
+def _inflation(data: bytes, most: int) -> bytes:
+    """What compressed data inflates to, as far as a limit; where it is damaged, until there."""
+    inflate, made, size = zlib.decompressobj(), [], 0
+    try:
+        while data and size <= most:
+            made.append(inflate.decompress(data, PIECE))
+            size += len(made[-1])
             data = inflate.unconsumed_tail
     except zlib.error:
         pass
-    return size
+    return b"".join(made)

@@ -1,4 +1,4 @@
-"""ROS bags: topics of MCAP, SQLite and ROS 1 files, message by message, through rosbags.
+"""ROS bags: topics of MCAP, SQLite and ROS 1 files and rosbag2 folders, through rosbags.
 
 Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
 """
@@ -16,6 +16,7 @@ import numpy as np
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
+from coopenv.logs.formats.bags.folder import require_whole
 from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source
 from coopenv.logs.formats.damage import parsing
 from coopenv.logs.limits import Limits, shown
@@ -38,8 +39,7 @@ class BagSource(Source):
 
     def __init__(self, path: Path, dialect: Dialect, limits: Limits, part: str = ""):
         self._path, self._limits = path, limits
-        with _bag(path) as bag:
-            limits.require("block_bytes", _largest(bag), f"{path}", "record it in smaller chunks")
+        with _bag(path, limits) as bag:
             numbers = _topics(bag)
             topic = part or (next(iter(numbers)) if len(numbers) == 1 else "")
             if topic not in numbers:
@@ -49,9 +49,20 @@ class BagSource(Source):
                 )
             self._topic, self._ways = topic, numbers[topic]
             self.columns = [TIME, *self._ways]
-            self._messages = max(bag.topics[topic].msgcount, 1)
+            self._messages = int(bag.topics[topic].msgcount)
         limits.require("columns", len(self.columns), f"{path}", "leave out what is not needed")
         self.stamped = TIME
+        self._found = self._messages
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Whether there were other messages than the bag says."""
+        if self._found == self._messages:
+            return ()
+        return (
+            f"warning: {self._path} says that it has {self._messages:,} messages of {self._topic}, "
+            f"and has {self._found:,}",
+        )
 
     def chunks(
         self,
@@ -63,7 +74,7 @@ class BagSource(Source):
         names = [name for name in dict.fromkeys((*numbers, *carried)) if name != TIME]
         take = [attrgetter(self._ways[name]) for name in names]
         clock = (stamps or {}).get(TIME) or Stamps("iso")
-        row = 1
+        row, most = 1, max(self._messages, 1)
         with _bag(self._path) as bag:
             messages = self._read(bag)
             while part := list(islice(messages, CHUNK_ROWS)):
@@ -79,10 +90,11 @@ class BagSource(Source):
                     carried={name: table[name] for name in carried},
                     rows=rows,
                     first_row=row,
-                    progress=min(1.0, (row - 1 + rows) / self._messages),
+                    progress=min(1.0, (row - 1 + rows) / most),
                     topic=self._topic,
                 )
                 row += rows
+        self._found = row - 1
 
     def _read(self, bag: Any) -> Iterator[tuple[int, Any]]:
         """When messages were recorded [ns], and what they say."""
@@ -92,9 +104,9 @@ class BagSource(Source):
             yield logged, bag.deserialize(raw, connection.msgtype)
 
 
-def topics(path: Path) -> list[str]:
+def topics(path: Path, limits: Limits) -> list[str]:
     """Topics whose messages have numbers."""
-    with _bag(path) as bag:
+    with _bag(path, limits) as bag:
         return list(_topics(bag))
 
 
@@ -109,17 +121,21 @@ class _Messages(Chunk):
 
 
 @contextmanager
-def _bag(path: Path) -> Iterator[Any]:
-    """An open bag."""
+def _bag(path: Path, limits: Limits | None = None) -> Iterator[Any]:
+    """An open bag, which is checked where ``limits`` are given."""
     try:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise MissingExtra("reading ROS bags", "ros") from error
+    if limits is not None and path.is_dir():
+        require_whole(path, limits)
     with (
         parsing(path, "a whole ROS bag", "record or convert it again"),
         AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag,
     ):
+        if limits is not None:
+            limits.require("block_bytes", _largest(bag), f"{path}", "record it in smaller chunks")
         yield bag
 
 
@@ -162,6 +178,7 @@ def _time(message: Any, logged: int) -> int:
 def _largest(bag: Any) -> int:
     """The most that a piece of the bag inflates to, as far as it says [bytes]."""
     stores = [getattr(reader, "storage", reader) for reader in bag.readers]
+    stores = [each for store in stores for each in (getattr(store, "storages", None) or [store])]
     pieces = [piece for store in stores for piece in _pieces(getattr(store, "chunks", ()))]
     return max((int(getattr(piece, "uncompressed_size", 0)) for piece in pieces), default=0)
 
