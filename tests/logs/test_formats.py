@@ -12,6 +12,7 @@ import pytest
 from coopenv.errors import InvalidInput
 from coopenv.files import written
 from coopenv.logs import Layout, formats, read
+from coopenv.logs.formats.chunks import Wanted
 from tests.logs import cases
 
 
@@ -49,7 +50,7 @@ def test_what_is_written_in_pieces_is_read_back_in_pieces(suffix, tmp_path, monk
     source = formats.open_source(path)
     numbers = [name for name in columns if name != "who"]
     assert sorted(source.columns) == sorted(columns)
-    chunks = list(source.chunks(numbers, ["who"]))
+    chunks = list(source.chunks(Wanted(numbers, ["who"])))
     assert len(chunks) > 2
     for name in numbers:
         read = np.concatenate([chunk.numbers[name] for chunk in chunks])

@@ -4,8 +4,8 @@ It stands next to the file, before devices are joined and gaps filled: only a qu
 turned evenly from one sample to the next.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -13,9 +13,8 @@ from coopenv.arrays import BoolArray
 from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.orientation import heading, quaternions
 from coopenv.logs.columns import ORIENTATION
-from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import factor_of
-from coopenv.logs.formats.chunks import Chunk, Roles, Source
+from coopenv.logs.formats.chunks import Chunk, Roles, Source, Wanted
 from coopenv.logs.layout import Layout
 
 MADE = (*ORIENTATION[3], *ORIENTATION[2])
@@ -107,17 +106,12 @@ class _Oriented(Source):
         """See `Source`; what is made of others is nothing to it."""
         self._source.assign(roles._replace(quaternion=(), angle=""))
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read the source's, and make the others of them."""
-        made = [name for name in numbers if name in self.made]
-        rest = [name for name in numbers if name not in made]
+        made = [name for name in wanted.numbers if name in self.made]
+        rest = [name for name in wanted.numbers if name not in made]
         read = list(dict.fromkeys([*rest, *self._used])) if made else rest
-        for chunk in self._source.chunks(read, carried, stamps):
+        for chunk in self._source.chunks(wanted._replace(numbers=read)):
             yield self._with(chunk, rest, made) if made else chunk
 
     def _with(self, chunk: Chunk, rest: list[str], made: list[str]) -> Chunk:
@@ -132,20 +126,9 @@ class _Oriented(Source):
         if wrong:
             any_wrong: BoolArray = np.logical_or.reduce(wrong)
             bad |= dict.fromkeys(made, any_wrong)
-        return _OrientedChunk(
-            numbers=numbers,
-            carried=chunk.carried,
-            rows=chunk.rows,
-            first_row=chunk.first_row,
-            progress=chunk.progress,
-            rule=chunk.rule,
-            rules=chunk.rules,
-            bad=bad,
-            fields=chunk.fields,
-            read=chunk,
-            made=tuple(made),
-            used=self._used,
-        )
+        same = {each.name: getattr(chunk, each.name) for each in fields(Chunk)}
+        same |= {"numbers": numbers, "bad": bad}
+        return _OrientedChunk(**same, read=chunk, made=tuple(made), used=self._used)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,7 +3,7 @@
 Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from itertools import islice
@@ -16,7 +16,7 @@ import numpy as np
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
-from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source, Wanted
 from coopenv.logs.formats.damage import parsing
 from coopenv.logs.limits import Limits, shown
 
@@ -53,16 +53,11 @@ class BagSource(Source):
         limits.require("columns", len(self.columns), f"{path}", "leave out what is not needed")
         self.stamped = TIME
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read some thousand messages at a time."""
-        names = [name for name in dict.fromkeys((*numbers, *carried)) if name != TIME]
+        names = [name for name in wanted.names if name != TIME]
         take = [attrgetter(self._ways[name]) for name in names]
-        clock = (stamps or {}).get(TIME) or Stamps("iso")
+        clock = wanted.stamps.get(TIME) or Stamps("iso")
         row = 1
         with _bag(self._path) as bag:
             messages = self._read(bag)
@@ -75,8 +70,8 @@ class BagSource(Source):
                 times = np.fromiter((_time(each, logged) for logged, each in part), np.int64, rows)
                 table[TIME] = clock.of_nanoseconds(times, np.ones(rows, np.bool_))
                 yield _Messages(
-                    numbers={name: table[name] for name in numbers},
-                    carried={name: table[name] for name in carried},
+                    numbers={name: table[name] for name in wanted.numbers},
+                    carried={name: table[name] for name in wanted.carried},
                     rows=rows,
                     first_row=row,
                     progress=min(1.0, (row - 1 + rows) / self._messages),
@@ -111,16 +106,13 @@ class _Messages(Chunk):
 @contextmanager
 def _bag(path: Path) -> Iterator[Any]:
     """An open bag."""
-    try:
+    missing = MissingExtra("reading ROS bags", "ros")
+    with parsing(path, "a whole ROS bag", "record or convert it again", missing=missing):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise MissingExtra("reading ROS bags", "ros") from error
-    with (
-        parsing(path, "a whole ROS bag", "record or convert it again"),
-        AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag,
-    ):
-        yield bag
+
+        with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag:
+            yield bag
 
 
 def _topics(bag: Any) -> dict[str, dict[str, str]]:

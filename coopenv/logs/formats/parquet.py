@@ -27,6 +27,7 @@ from coopenv.logs.formats.chunks import (
     Column,
     Sink,
     Source,
+    Wanted,
     part_of,
     plain,
     rows_at_once,
@@ -73,20 +74,15 @@ class ParquetSource(Source):
             self.columns.append(name)
             self.left_out = [each for each in self.left_out if each != listed]
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read batch by batch; what is carried keeps its type."""
         from pyarrow import parquet
 
-        stamps = stamps or {}
+        numbers, carried, stamps = wanted
         for name in numbers:
             self._require_kind(name, stamps)
         row = 1
-        read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in (*numbers, *carried))
+        read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in wanted.names)
         texts = [name for name in read if is_text(self._types[name]) and name not in stamps]
         with (
             _parsing(self._path),
@@ -100,7 +96,7 @@ class ParquetSource(Source):
                     rows=batch.num_rows,
                     first_row=row,
                     progress=(row - 1 + batch.num_rows) / total,
-                    rules={name: each.rule for name, each in stamps.items()},
+                    rules=wanted.rules,
                 )
                 row += batch.num_rows
 

@@ -5,7 +5,7 @@ A file is split into lines here, so that every bad one has its number; pyarrow p
 
 import csv
 import io
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +17,7 @@ import numpy.typing as npt
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
-from coopenv.logs.declared.stamps import Stamps
-from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source
+from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source, Wanted
 from coopenv.logs.formats.cleaning import BLANKS, cleaner, split
 from coopenv.logs.formats.encoded import Text
 from coopenv.logs.formats.head import SHORTEN, HeadReader
@@ -54,23 +53,17 @@ class TextSource(Source):
             head.separator, dialect.comment, columns=len(head.columns), empty=head.empty
         )
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read block by block; what is carried stays text."""
-        stamps = stamps or {}
+        numbers, carried, stamps = wanted
         row, line = 1, self._head.line
-        rules = {name: each.rule for name, each in stamps.items()}
         for block, progress in self._blocks():
             lines = Lines(block, line, self.columns, self.separator, self.split)
             if lines.longest > self._limits.row_bytes:
                 place = f"{self._path}, line {line + lines.longest_number}"
                 self._limits.require("row_bytes", "more", place, SHORTEN)
             if lines.rows:
-                table = self._parse(lines, numbers, carried, stamps)
+                table = self._parse(lines, wanted)
                 good = lines.good[lines.kept]
                 read: dict[str, FloatArray] = {}
                 bad: dict[str, BoolArray] = {}
@@ -89,7 +82,7 @@ class TextSource(Source):
                     first_row=row,
                     progress=progress,
                     rule=self._rule,
-                    rules=rules,
+                    rules=wanted.rules,
                     bad=bad,
                     fields=np.where(good, 0, lines.fields[lines.kept]),
                     lines=lines,
@@ -124,18 +117,12 @@ class TextSource(Source):
                         yield bytes(rest + read + b"\n"), 1.0
                     return
 
-    def _parse(
-        self,
-        lines: Lines,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Collection[str],
-    ) -> Any:
+    def _parse(self, lines: Lines, wanted: Wanted) -> Any:
         """The columns as pyarrow parses them; all as text where a number is not one."""
         import pyarrow as pa
 
-        texts = dict.fromkeys([*carried, *stamps], pa.string())
-        types = dict.fromkeys(numbers, pa.float64()) | texts
+        texts = dict.fromkeys([*wanted.carried, *wanted.stamps], pa.string())
+        types = dict.fromkeys(wanted.numbers, pa.float64()) | texts
         data = lines.good_bytes()
         if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
             return pa.schema(list(types.items())).empty_table()
@@ -143,7 +130,7 @@ class TextSource(Source):
             return self._table(data, types)
         except pa.ArrowInvalid:
             pass
-        types = dict.fromkeys(numbers, pa.string()) | texts
+        types = dict.fromkeys(wanted.numbers, pa.string()) | texts
         try:
             return self._table(data, types)
         except pa.ArrowInvalid as error:
