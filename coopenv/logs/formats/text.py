@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
@@ -20,12 +19,12 @@ from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source, Wanted
 from coopenv.logs.formats.cleaning import BLANKS, cleaner, split
 from coopenv.logs.formats.encoded import Text
+from coopenv.logs.formats.fields import as_numbers, spread
 from coopenv.logs.formats.head import SHORTEN, HeadReader
 from coopenv.logs.formats.lines import Lines
 from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once
-MISSING = {"", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-"}  # instead of a number
 
 
 class TextSource(Source):
@@ -55,7 +54,6 @@ class TextSource(Source):
 
     def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read block by block; what is carried stays text."""
-        numbers, carried, stamps = wanted
         row, line = 1, self._head.line
         for block, progress in self._blocks():
             lines = Lines(block, line, self.columns, self.separator, self.split)
@@ -63,31 +61,35 @@ class TextSource(Source):
                 place = f"{self._path}, line {line + lines.longest_number}"
                 self._limits.require("row_bytes", "more", place, SHORTEN)
             if lines.rows:
-                table = self._parse(lines, wanted)
-                good = lines.good[lines.kept]
-                read: dict[str, FloatArray] = {}
-                bad: dict[str, BoolArray] = {}
-                for name in numbers:
-                    if name in stamps:
-                        values, wrong = stamps[name].of_texts(table[name]), None
-                    else:
-                        values, wrong = _numbers(table[name], self._decimal)
-                    read[name] = _spread(values, good, np.nan)
-                    if wrong is not None:
-                        bad[name] = _spread(wrong, good, True)
-                yield _TextChunk(
-                    numbers=read,
-                    carried={name: _spread(table[name].to_numpy(), good, "") for name in carried},
-                    rows=lines.rows,
-                    first_row=row,
-                    progress=progress,
-                    rule=self._rule,
-                    rules=wanted.rules,
-                    bad=bad,
-                    fields=np.where(good, 0, lines.fields[lines.kept]),
-                    lines=lines,
-                )
+                yield self._chunk(lines, wanted, row, progress)
             row, line = row + lines.rows, line + len(lines.ends)
+
+    def _chunk(self, lines: Lines, wanted: Wanted, first_row: int, progress: float) -> Chunk:
+        """Rows of a block."""
+        table = self._parse(lines, wanted)
+        good = lines.good[lines.kept]
+        read: dict[str, FloatArray] = {}
+        bad: dict[str, BoolArray] = {}
+        for name in wanted.numbers:
+            if name in wanted.stamps:
+                values, wrong = wanted.stamps[name].of_texts(table[name]), None
+            else:
+                values, wrong = as_numbers(table[name], self._decimal)
+            read[name] = spread(values, good, np.nan)
+            if wrong is not None:
+                bad[name] = spread(wrong, good, True)
+        return _TextChunk(
+            numbers=read,
+            carried={name: spread(table[name].to_numpy(), good, "") for name in wanted.carried},
+            rows=lines.rows,
+            first_row=first_row,
+            progress=progress,
+            rule=self._rule,
+            rules=wanted.rules,
+            bad=bad,
+            fields=np.where(good, 0, lines.fields[lines.kept]),
+            lines=lines,
+        )
 
     def split(self, line: str, place: str) -> list[str]:
         """Fields of a line, without quotation marks."""
@@ -229,38 +231,6 @@ class _TextChunk(Chunk):
 
     def text(self, row: int, column: str) -> str:
         return self.lines.field(row, column)
-
-
-def _numbers(column: Any, decimal: str) -> tuple[FloatArray, BoolArray | None]:
-    """Numbers of a pyarrow column, NaN where a text is none; and where it is not even missing."""
-    import pyarrow as pa
-
-    if column.type == pa.float64():
-        return column.to_numpy(), None
-    texts = column.to_pylist()
-    values = np.fromiter((_number(text, decimal) for text in texts), np.float64, len(texts))
-    bad = np.zeros(len(texts), np.bool_)
-    for row in np.flatnonzero(np.isnan(values)).tolist():
-        bad[row] = texts[row].strip().lower() not in MISSING
-    return values, bad
-
-
-def _number(text: str, decimal: str) -> float:
-    try:
-        if "_" in text or (decimal != "." and "." in text):  # 1.234 may be meant as 1,234
-            return np.nan
-        return float(text.replace(decimal, "."))
-    except ValueError:
-        return np.nan
-
-
-def _spread(values: npt.NDArray, good: BoolArray, missing: object) -> Column:
-    """Values where a row is good, and something else where it is not."""
-    if good.all():
-        return values
-    spread = np.full(len(good), missing, dtype=values.dtype)
-    spread[good] = values
-    return spread
 
 
 def _array(values: Column) -> Any:

@@ -90,12 +90,12 @@ class Names(Mapping[str, Owned]):
 
     def wanted_of(self, stream: Stream, wanted: Wanted) -> Wanted:
         """What is wanted of one device, as its file calls it."""
-        return Wanted(
-            *(
-                list(dict.fromkeys(self[name].name for name in names if self._is_of(stream, name)))
-                for names in (wanted.numbers, wanted.carried)
-            )
-        )
+
+        def own(names: Sequence[str]) -> list[str]:
+            there = (self[name].name for name in names if self._is_of(stream, name))
+            return list(dict.fromkeys(there))
+
+        return Wanted(own(wanted.numbers), own(wanted.carried))
 
     def roles_of(self, stream: Stream, roles: Roles) -> Roles:
         """What columns of one device are, as its file calls them."""
