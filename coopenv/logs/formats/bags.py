@@ -3,8 +3,8 @@
 Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Generator, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from itertools import islice
 from operator import attrgetter
@@ -59,8 +59,7 @@ class BagSource(Source):
         take = [attrgetter(self._ways[name]) for name in names]
         clock = wanted.stamps.get(TIME) or Stamps("iso")
         row = 1
-        with _bag(self._path) as bag:
-            messages = self._read(bag)
+        with _bag(self._path) as bag, closing(self._read(bag)) as messages:
             while part := list(islice(messages, CHUNK_ROWS)):
                 rows = len(part)
                 table = {
@@ -79,12 +78,14 @@ class BagSource(Source):
                 )
                 row += rows
 
-    def _read(self, bag: Any) -> Iterator[tuple[int, Any]]:
+    def _read(self, bag: Any) -> Generator[tuple[int, Any], None, None]:
         """When messages were recorded [ns], and what they say."""
         wanted = [each for each in bag.connections if each.topic == self._topic]
-        for connection, logged, raw in bag.messages(connections=wanted):
-            self._limits.require("row_bytes", len(raw), f"{self._path}", "leave out what is large")
-            yield logged, bag.deserialize(raw, connection.msgtype)
+        with closing(bag.messages(connections=wanted)) as messages:  # before the bag is
+            for connection, logged, raw in messages:
+                place = f"{self._path}"
+                self._limits.require("row_bytes", len(raw), place, "leave out what is large")
+                yield logged, bag.deserialize(raw, connection.msgtype)
 
 
 def topics(path: Path) -> list[str]:

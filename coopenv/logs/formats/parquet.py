@@ -130,11 +130,7 @@ class ParquetSource(Source):
     def _batches(self, file: Any, names: list[str]) -> Iterator[Any]:
         """Rows as pyarrow reads them, in parts where they hold much text."""
         first = 1
-        for batch in file.iter_batches(
-            batch_size=rows_at_once(CHUNK_ROWS, 8 * len(names)), columns=names
-        ):
-            if not batch.num_rows:
-                continue
+        for batch in _small_batches(file, names, rows_at_once(CHUNK_ROWS, 8 * len(names))):
             size = sum(bytes_of_rows(column) for column in batch.columns)  # of each row
             longest = int(np.max(size)) + 8 * len(names)
             place = f"{self._path}, row {first + int(np.argmax(size))}"
@@ -220,6 +216,24 @@ def _parsing(path: Path) -> Iterator[None]:
         raise InvalidInput(
             f"{path} must be a Parquet file, got {shown(error, 200)}; convert it, or write it again"
         ) from error
+
+
+def _small_batches(file: Any, names: list[str], rows: int) -> Iterator[Any]:
+    """So many rows at once, or fewer.
+
+    Of the row groups that it is asked for pyarrow keeps all that it has read until it has read all
+    of them, so that only few are asked for at a time.
+    """
+    groups: list[int] = []
+    there, last = 0, file.num_row_groups - 1
+    for number in range(last + 1):
+        groups.append(number)
+        there += file.metadata.row_group(number).num_rows
+        if there >= rows or number == last:
+            for batch in file.iter_batches(batch_size=rows, row_groups=groups, columns=names):
+                if batch.num_rows:
+                    yield batch
+            groups, there = [], 0
 
 
 def _require_footer(path: Path) -> None:
