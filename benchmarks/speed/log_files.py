@@ -105,7 +105,12 @@ def _hdf5(folder: Path, rows: int, *, matlab: bool = False) -> Path:
 
 
 def _bag(storage: str) -> Callable[[Path, int], Path]:
-    return lambda folder, rows: devices.rosbag2(drawn(rows, NAMES), folder, storage)
+    return lambda folder, rows: devices.rosbag2(_messages(rows), folder, storage)
+
+
+def _messages(number: int) -> dict[str, Any]:
+    """What is in so many messages: in five of them two rows, and a pose."""
+    return drawn(2 * number // 5, NAMES)
 
 
 def _c3d(folder: Path, rows: int) -> Path:
@@ -169,7 +174,7 @@ ALL: tuple[LogFile, ...] = (
     LogFile(name=".db3", write=_bag("SQLITE3"), out=".npz", layout=devices.OF_TOPICS),
     LogFile(
         name=".bag",
-        write=lambda folder, rows: devices.rosbag1(drawn(rows, NAMES), folder),
+        write=lambda folder, rows: devices.rosbag1(_messages(rows), folder),
         out=".npz",
         layout=devices.OF_TOPICS,
     ),

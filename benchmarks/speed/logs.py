@@ -2,12 +2,12 @@
 
     python -m benchmarks.speed.logs [rows]     # prints them
     python -m benchmarks.speed.logs --write    # and puts them on docs/recordings.md
-    python -m benchmarks.speed.logs --only .mcap .db3    # of some kinds
+    python -m benchmarks.speed.logs --only .mcap .db3 --write    # of some kinds
 
 Each line is that of a process of its own, which decomposes three files of two planar effectors: one
 of a thousand rows to load and compile everything, a tenth of the rows, and all of them for the
-clock. The memory is the largest that the process ever took, as Linux counts it, above what it took
-for the smallest file.
+clock. Of ROS bags these are messages of three topics, not rows. The memory is the largest that the
+process ever took, as Linux counts it, above what it took for the smallest file.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks import recordings
-from benchmarks.pages import fill, markdown
+from benchmarks.pages import cells, fill, markdown
 from benchmarks.speed.log_files import ALL, GRIPS, LogFile
 
 ROWS = 1_000_000
@@ -86,10 +86,12 @@ def main() -> None:
         child(args.child[0], args.child[1:])
         return
     kinds = tuple(kind for kind in ALL if kind.name in args.only)
-    table = markdown(*tables(args.rows, kinds))
-    print(table)
+    columns, lines = tables(args.rows, kinds)
+    print(markdown(columns, lines))
     if args.write:
-        fill(recordings.PAGE, {"speed": table})
+        known = {line[0]: line for line in (*cells(recordings.PAGE, "speed")[1:], *lines)}
+        kept = [known[kind.name] for kind in ALL if kind.name in known]
+        fill(recordings.PAGE, {"speed": markdown(columns, kept)})
 
 
 if __name__ == "__main__":

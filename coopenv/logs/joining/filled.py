@@ -67,9 +67,9 @@ class FilledSource(Source):
         for chunk in self._source.chunks(wanted):
             waiting.append((chunk, samples.add(chunk, self._roles)))
             while waiting and samples.settled(waiting[0][1]):
-                yield self._complete(*waiting.popleft(), samples)
-                if waiting:
-                    samples.forget(waiting[0][1])
+                done, time = waiting.popleft()
+                yield self._complete(done, time, samples)
+                samples.forget(waiting[0][1] if waiting else np.fmax.reduce(time, keepdims=True))
             if len(waiting) > HELD:
                 raise InvalidInput(
                     f"longest_gap must be shorter than {HELD} pieces of a file of some thousand "
