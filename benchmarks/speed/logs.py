@@ -76,7 +76,7 @@ def tables(rows: int = ROWS, kinds: tuple[LogFile, ...] = ALL) -> tuple[list[str
 
 def main() -> None:
     """Print the table; with ``--write`` also put it on the page."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("rows", nargs="?", type=int, default=ROWS)
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--only", nargs="+", default=[each.name for each in ALL])

@@ -81,6 +81,7 @@ class BagSource(Source):
     def _read(self, bag: Any) -> Generator[tuple[int, Any], None, None]:
         """When messages were recorded [ns], and what they say."""
         wanted = [each for each in bag.connections if each.topic == self._topic]
+        _forget_others(bag, wanted)
         with closing(bag.messages(connections=wanted)) as messages:  # before the bag is
             for connection, logged, raw in messages:
                 place = f"{self._path}"
@@ -142,6 +143,14 @@ def _numbers(message: Any, prefix: str, depth: int = 0) -> Iterator[str]:
             yield prefix + entry.name
         elif not (entry.name == "header" and not prefix):
             yield from _numbers(value, f"{prefix}{entry.name}.", depth + 1)
+
+
+def _forget_others(bag: Any, wanted: list[Any]) -> None:
+    """Drop the places of other topics' messages, all of which a reader of a ROS 1 bag holds."""
+    kept = {each.id for each in wanted}
+    for reader in bag.readers:
+        places = getattr(reader, "indexes", {})
+        places.update({number: [] for number in places if number not in kept})
 
 
 def _time(message: Any, logged: int) -> int:
