@@ -13,11 +13,12 @@ from tests.logs import cases
 
 CHUNK = 200  # rows at once
 ROWS = 3_000
-MESSAGES = 18_000  # two pieces of an MCAP file, which has a message where others have a row
+LONGER = 4
 ROW_BYTES = 80  # of time, wrenches and twist
 SHARE = 0.2  # of what is longer that may be there at once
-WHOLE = (".mat before 7.3", ".bag")  # SciPy reads it whole; rosbags an index of all messages
-KINDS = [each for each in log_files.ALL if not each.picture and each.name not in WHOLE]
+WHOLE = ".mat before 7.3"  # SciPy reads it so
+OTHERS = (WHOLE, ".bag", ".mcap")  # an index of all messages; pieces longer than the files here
+KINDS = [each for each in log_files.ALL if not each.picture and each.name not in OTHERS]
 STEPS = log_files.LogFile(
     name="filled and resampled",
     write=log_files.joined(".npz"),
@@ -57,10 +58,9 @@ def growth(kind: log_files.LogFile, folder: Path, monkeypatch: pytest.MonkeyPatc
     cases.set_chunk(CHUNK, monkeypatch)
     monkeypatch.setattr(log_files, "CHUNK_ROWS", CHUNK)
     monkeypatch.setattr(log_files, "ANALOG_RATE", 2)
-    rows, longer = (MESSAGES, 2) if kind.name == ".mcap" else (ROWS, 4)
     peak_of(kind, folder / "first", 100)  # what is imported stays
-    short, long = (peak_of(kind, folder / f"{n}", n * rows) for n in (1, longer))
-    return (long - short) / ((longer - 1) * rows * ROW_BYTES)
+    short, long = (peak_of(kind, folder / f"{n}", n * ROWS) for n in (1, LONGER))
+    return (long - short) / ((LONGER - 1) * ROWS * ROW_BYTES)
 
 
 @pytest.mark.parametrize("kind", [*KINDS, STEPS], ids=lambda kind: kind.name)
@@ -69,5 +69,5 @@ def test_a_longer_file_needs_no_more_memory(kind, tmp_path, monkeypatch):
 
 
 def test_a_file_that_is_read_whole_is_seen_to_need_more(tmp_path, monkeypatch):
-    matlab = next(each for each in log_files.ALL if each.name == WHOLE[0])
+    matlab = next(each for each in log_files.ALL if each.name == WHOLE)
     assert growth(matlab, tmp_path, monkeypatch) > 1 - SHARE

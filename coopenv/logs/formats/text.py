@@ -19,9 +19,8 @@ from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source, Wanted
 from coopenv.logs.formats.cleaning import BLANKS, cleaner, split
 from coopenv.logs.formats.encoded import Text
-from coopenv.logs.formats.fields import as_numbers, spread
 from coopenv.logs.formats.head import SHORTEN, HeadReader
-from coopenv.logs.formats.lines import Lines
+from coopenv.logs.formats.lines import Lines, as_numbers, spread
 from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once
