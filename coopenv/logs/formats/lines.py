@@ -1,4 +1,4 @@
-"""Lines of a text table: where they begin, how many fields they have, which are damaged; numbers."""
+"""Lines of a text table: where they begin, their fields and the numbers in them, damaged ones."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
