@@ -1,106 +1,97 @@
-"""Rows per second and memory of decomposing recorded files.
+"""CPU time and memory of decomposing recorded files of each kind.
 
     python -m benchmarks.speed.logs [rows]     # prints them
     python -m benchmarks.speed.logs --write    # and puts them on docs/recordings.md
+    python -m benchmarks.speed.logs --only .mcap .db3 --write    # of some kinds
 
-Each figure is that of a process of its own, which decomposes a file of two planar effectors with
-time and twist, once small to load and compile everything, then for the clock. The memory is the
-largest that the process ever took, beside that of the same process after the small file.
+Each line is that of a process of its own, which decomposes three files of two planar effectors: one
+of a thousand rows to load and compile everything, a tenth of the rows, and all of them for the
+clock. Of ROS bags these are messages of three topics, not rows. The memory is the largest that the
+process ever took, as Linux counts it, above what it took for the smallest file.
 """
 
+import argparse
 import json
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 from benchmarks import recordings
-from benchmarks.pages import fill, markdown
-from coopenv.logs.formats import FORMATS, open_sink
-from coopenv.logs.formats.chunks import CHUNK_ROWS
+from benchmarks.pages import cells, fill, markdown
+from benchmarks.speed.log_files import ALL, GRIPS, LogFile
 
 ROWS = 1_000_000
-ON_PAGE = ("file", "CPU s", "above a small file [MiB]")  # the clock counts other work too
-BEAM = "(-0.9, 0.0, 0.9, 0.0)"
-CHILD = f"""
-import json, resource, sys, time
-from coopenv.logs import Layout, decompose_file
-small, large, out, picture = sys.argv[1:]
-def run(path):
-    decompose_file(path, out, layout=Layout(grips={BEAM}), picture=picture == "True")
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-before = run(small)
-began, used = time.perf_counter(), time.process_time()
-peak = run(large)
-print(json.dumps([time.perf_counter() - began, time.process_time() - used, peak, before]))
-"""
+FEW = 1_000
+MIB = 1024  # [KiB]
 
 
-def write(path: Path, rows: int) -> None:
-    """A recording of random wrenches as a file of the format its name asks for.
-
-    In pieces, as a process's largest memory counts that of the process which starts it.
-    """
-    rng = np.random.default_rng(0)
-    names = ("f1x", "f1y", "t1z", "f2x", "f2y", "t2z", "vx", "vy", "omega")
-    sink = open_sink(path)
-    for first in range(0, rows, CHUNK_ROWS):
-        time = np.arange(first, min(first + CHUNK_ROWS, rows)) / 1000
-        drawn = {name: rng.normal(size=len(time)).round(6) for name in names}
-        sink.write({"time": time, **drawn})
-    sink.close()
-
-
-def measure(folder: Path, suffix: str, rows: int, picture: bool) -> tuple[float, ...]:
-    """Seconds, CPU seconds, largest memory and that of a small file [MiB]."""
-    small, large = folder / f"small{suffix}", folder / f"large{suffix}"
-    for path, count in ((small, 1000), (large, rows)):
-        if not path.exists():
-            write(path, count)
-    out = folder / f"out{suffix}"
-    command = [sys.executable, "-c", CHILD, str(small), str(large), str(out), str(picture)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return tuple(json.loads(done.stdout))
-
-
-def tables(rows: int = ROWS) -> list[tuple[str, list[str], list[list[str]]]]:
-    """Title, columns and rows of what this module measures."""
-    lines = []
+def measure(kind: LogFile, rows: int) -> tuple[float, float, float]:
+    """CPU seconds, and memory above that for a small file for a tenth of the rows and all [MiB]."""
     with tempfile.TemporaryDirectory() as folder:
-        for suffix in [known.suffixes[0] for known in FORMATS]:
-            for picture in (False, True):
-                seconds, cpu, peak, before = measure(Path(folder), suffix, rows, picture)
-                lines.append(
-                    [
-                        f"{suffix} to {suffix}" + ", with picture" * picture,
-                        f"{rows / seconds:,.0f}",
-                        f"{seconds:.1f}",
-                        f"{cpu:.1f}",
-                        f"{peak:.0f}",
-                        f"{peak - before:.0f}",
-                    ]
-                )
-    columns = ["file", "rows/s", "s", "CPU s", "peak [MiB]", "above a small file [MiB]"]
-    return [(f"Recorded files, {rows:,} rows, pair on its axis", columns, lines)]
+        files = []
+        for count in (FEW, rows // 10, rows):
+            (Path(folder) / f"{count}").mkdir()
+            files.append(str(kind.write(Path(folder) / f"{count}", count)))
+        command = [sys.executable, "-m", "benchmarks.speed.logs", "--child", kind.name, *files]
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    cpu, *peaks = json.loads(done.stdout)
+    return cpu, peaks[1] - peaks[0], peaks[2] - peaks[0]
+
+
+def child(name: str, files: list[str]) -> None:
+    """Decompose the files one after the other; print the CPU time of the last and all peaks."""
+    import time
+
+    from coopenv.logs import Layout, decompose_file
+
+    kind = next(each for each in ALL if each.name == name)
+    layout = Layout(grips=GRIPS, **kind.layout)
+    cpu, peaks = 0.0, []
+    for path in files:
+        used = time.process_time()
+        out = Path(path).parent / f"out{kind.out}"
+        decompose_file(path, out, layout=layout, picture=kind.picture)
+        cpu = time.process_time() - used
+        peaks.append(_peak())
+    print(json.dumps([cpu, *peaks]))
+
+
+def _peak() -> float:
+    """The most memory of this program so far [MiB]; not that of the one which started it."""
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    return int(status.split("VmHWM:")[1].split()[0]) / MIB
+
+
+def tables(rows: int = ROWS, kinds: tuple[LogFile, ...] = ALL) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows of what this module measures."""
+    lines = []
+    for kind in kinds:
+        cpu, tenth, whole = measure(kind, rows)
+        lines.append([kind.name, kind.out, f"{cpu:.1f}", f"{tenth:.0f}", f"{whole:.0f}"])
+        print(*lines[-1], sep="\t", file=sys.stderr, flush=True)
+    columns = ["file", "table", "CPU s", f"{rows // 10:,} rows [MiB]", f"{rows:,} rows [MiB]"]
+    return columns, lines
 
 
 def main() -> None:
     """Print the table; with ``--write`` also put it on the page."""
-    from rich.console import Console
-    from rich.table import Table
-
-    rows = [int(word) for word in sys.argv[1:] if word != "--write"]
-    for title, columns, lines in tables(*rows):
-        table = Table(*columns, title=title, title_justify="left")
-        for line in lines:
-            table.add_row(*line)
-        Console().print(table)
-        if "--write" in sys.argv[1:]:
-            kept = [columns.index(name) for name in ON_PAGE]
-            on_page = [[line[j] for j in kept] for line in lines]
-            fill(recordings.PAGE, {"speed": markdown(ON_PAGE, on_page)})
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("rows", nargs="?", type=int, default=ROWS)
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--only", nargs="+", default=[each.name for each in ALL])
+    parser.add_argument("--child", nargs="+", help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if args.child:
+        child(args.child[0], args.child[1:])
+        return
+    kinds = tuple(kind for kind in ALL if kind.name in args.only)
+    columns, lines = tables(args.rows, kinds)
+    print(markdown(columns, lines))
+    if args.write:
+        known = {line[0]: line for line in (*cells(recordings.PAGE, "speed")[1:], *lines)}
+        kept = [known[kind.name] for kind in ALL if kind.name in known]
+        fill(recordings.PAGE, {"speed": markdown(columns, kept)})
 
 
 if __name__ == "__main__":

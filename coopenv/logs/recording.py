@@ -18,7 +18,7 @@ from coopenv.logs.convert import Measured, in_si, turned_over
 from coopenv.logs.corrections import Corrections
 from coopenv.logs.declared.stamps import Stamps, is_form
 from coopenv.logs.faults import Faults
-from coopenv.logs.formats.chunks import Chunk, Column, Roles
+from coopenv.logs.formats.chunks import Chunk, Column, Roles, Wanted
 from coopenv.logs.joining import open_recording
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import require_short_names, shown
@@ -150,7 +150,8 @@ class Reader:
     def _chunks(self) -> Iterator[Chunk]:
         """Those of the file; what is damaged further on shows only here."""
         numbers = list(dict.fromkeys(self.plan.source.values()))
-        chunks = self._source.chunks(numbers, self.plan.carried, self._stamps())
+        wanted = Wanted(numbers, self.plan.carried, self._stamps())
+        chunks = self._source.chunks(wanted)
         while True:
             with reading(self.path):
                 chunk = next(chunks, None)

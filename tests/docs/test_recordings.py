@@ -7,6 +7,8 @@ from dataclasses import fields, replace
 import numpy as np
 
 from benchmarks import recordings
+from benchmarks.pages import cells
+from benchmarks.speed.log_files import ALL
 from coopenv.logs import Layout, analyse, command, read
 from coopenv.logs.calibration import Body, Filters, Load, Pose, Sensor
 from coopenv.logs.calibration.meaning import MEANING
@@ -30,8 +32,13 @@ def test_the_tables_are_what_the_code_prints():
 
 def test_every_format_is_on_the_page_and_in_the_help():
     for name in (known.suffixes[0] for known in FORMATS):
-        assert f"| {name} to {name} |" in TEXT
+        assert f"| {name} | {name} |" in TEXT
         assert name in inspect.getsource(command)
+
+
+def test_every_kind_of_file_that_is_measured_is_on_the_page():
+    # else: python -m benchmarks.speed.logs --only NAME --write
+    assert [line[0] for line in cells(recordings.PAGE, "speed")[1:]] == [each.name for each in ALL]
 
 
 def test_every_column_of_the_page_is_understood():

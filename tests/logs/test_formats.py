@@ -1,6 +1,8 @@
 """Files are opened by the suffix of their name, and every format has a reader and a writer."""
 
+import gc
 import os
+import sys
 import tempfile
 import tracemalloc
 import zipfile
@@ -12,7 +14,9 @@ import pytest
 from coopenv.errors import InvalidInput
 from coopenv.files import written
 from coopenv.logs import Layout, formats, read
-from tests.logs import cases
+from coopenv.logs.formats.chunks import Wanted
+from coopenv.logs.recording import Reader
+from tests.logs import cases, devices, kinds
 
 
 @pytest.fixture(autouse=True)
@@ -49,7 +53,7 @@ def test_what_is_written_in_pieces_is_read_back_in_pieces(suffix, tmp_path, monk
     source = formats.open_source(path)
     numbers = [name for name in columns if name != "who"]
     assert sorted(source.columns) == sorted(columns)
-    chunks = list(source.chunks(numbers, ["who"]))
+    chunks = list(source.chunks(Wanted(numbers, ["who"])))
     assert len(chunks) > 2
     for name in numbers:
         read = np.concatenate([chunk.numbers[name] for chunk in chunks])
@@ -124,3 +128,16 @@ def test_an_unknown_suffix_is_answered_with_those_that_are_known(tmp_path):
     with pytest.raises(InvalidInput, match=r"one of \.csv, \.tsv, \.txt, .* got 'a\.xlsx'"):
         formats.open_sink(tmp_path / "a.xlsx")
     assert formats.find_format(Path("a.TXT")).sink is formats.find_format(Path("a.csv")).sink
+
+
+def test_a_bag_that_is_not_read_to_its_end_is_closed_without_a_word(tmp_path, monkeypatch):
+    pytest.importorskip("rosbags")
+    said = []
+    monkeypatch.setattr(sys, "unraisablehook", said.append)
+    cases.set_chunk(2, monkeypatch)
+    path = devices.rosbag2(kinds.recorded(), tmp_path, "SQLITE3")
+    reader = Reader(path, Layout(grips=cases.BEAM, **devices.OF_TOPICS))
+    assert len(next(iter(reader))) == 2
+    del reader
+    gc.collect()
+    assert not said

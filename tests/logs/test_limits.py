@@ -18,6 +18,7 @@ from coopenv.errors import InvalidInput
 from coopenv.logs import Layout, decompose_file, read
 from coopenv.logs.command import Decompose
 from coopenv.logs.formats import open_source
+from coopenv.logs.formats.chunks import Wanted
 from coopenv.logs.limits import Limits
 from tests.logs import cases, costly
 from tests.reliability.faulty import header
@@ -181,7 +182,7 @@ def test_a_long_text_that_many_rows_of_parquet_share_is_kept_once(tmp_path):
         parquet.write_table(pa.table(columns | {"note": note}), path, store_schema=False)
 
     save(100_000)  # 2 GB of text in a small file
-    chunks = open_source(path).chunks(["f1x"], ["note"])
+    chunks = open_source(path).chunks(Wanted(["f1x"], ["note"]))
     rows = []
     for chunk in chunks:
         rows.append(chunk.rows)

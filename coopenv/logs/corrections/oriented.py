@@ -4,8 +4,8 @@ It stands next to the file, before devices are joined and gaps filled: only a qu
 turned evenly from one sample to the next.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -14,9 +14,8 @@ from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.declared import ORIENTED
 from coopenv.logs.calibration.orientation import IN_ANGLES, heading, quaternions, tilt
 from coopenv.logs.columns import ORIENTATION
-from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import factor_of
-from coopenv.logs.formats.chunks import Chunk, Roles, Source
+from coopenv.logs.formats.chunks import Chunk, Roles, Source, Wanted
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import shown
 
@@ -151,17 +150,12 @@ class _Oriented(Source):
         """See `Source`; what is made of others is nothing to it."""
         self._source.assign(roles._replace(quaternion=(), angle=""))
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read the source's, and make the others of them."""
-        made = [name for name in numbers if name in self.made]
-        rest = [name for name in numbers if name not in made]
+        made = [name for name in wanted.numbers if name in self.made]
+        rest = [name for name in wanted.numbers if name not in made]
         read = list(dict.fromkeys([*rest, *self._used])) if made else rest
-        for chunk in self._source.chunks(read, carried, stamps):
+        for chunk in self._source.chunks(wanted._replace(numbers=read)):
             yield self._with(chunk, rest, made) if made else chunk
 
     def _with(self, chunk: Chunk, rest: list[str], made: list[str]) -> Chunk:
@@ -182,20 +176,9 @@ class _Oriented(Source):
             numbers["theta"] = np.where(tilted, np.nan, numbers["theta"])
             bad["theta"] = tilted | bad.get("theta", False)
             rules["theta"] = FLAT
-        return _OrientedChunk(
-            numbers=numbers,
-            carried=chunk.carried,
-            rows=chunk.rows,
-            first_row=chunk.first_row,
-            progress=chunk.progress,
-            rule=chunk.rule,
-            rules=rules,
-            bad=bad,
-            fields=chunk.fields,
-            read=chunk,
-            made=tuple(made),
-            used=self._used,
-        )
+        same = {each.name: getattr(chunk, each.name) for each in fields(Chunk)}
+        same |= {"numbers": numbers, "bad": bad, "rules": rules}
+        return _OrientedChunk(**same, read=chunk, made=tuple(made), used=self._used)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

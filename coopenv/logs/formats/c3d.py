@@ -5,7 +5,7 @@ ends the interpreter.
 """
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
@@ -15,9 +15,8 @@ import numpy as np
 
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
-from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.declared.units import is_unit
-from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source, rows_at_once
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source, Wanted, rows_at_once
 from coopenv.logs.formats.cleaning import numbered
 from coopenv.logs.formats.damage import parsing
 from coopenv.logs.limits import Limits, shown
@@ -72,12 +71,7 @@ class C3dSource(Source):
         self._at = {name: k for k, name in enumerate(columns)}
         self._most = max(1, rows_at_once(CHUNK_ROWS, size) // self._each)
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read some thousand frames at a time; markers that were not seen are missing."""
         row = 1
         with _opened(self._path) as reader:
@@ -88,8 +82,8 @@ class C3dSource(Source):
                 pick = {name: table[:, self._at[name]] for name in self._at}
                 pick[TIME] = time
                 yield Chunk(
-                    numbers={name: pick[name] for name in numbers},
-                    carried={name: pick[name] for name in carried},
+                    numbers={name: pick[name] for name in wanted.numbers},
+                    carried={name: pick[name] for name in wanted.carried},
                     rows=len(table),
                     first_row=row,
                     progress=min(1.0, (row - 1 + len(table)) / (self._frames * self._each or 1)),
@@ -119,16 +113,15 @@ def parts(path: Path, limits: Limits) -> list[str]:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """A reader of the file."""
-    try:
-        import c3d
-    except ImportError as error:
-        raise MissingExtra("reading C3D", "formats") from error
+    missing = MissingExtra("reading C3D", "formats")
     with (
-        parsing(path, "a whole C3D file", "export it again"),
+        parsing(path, "a whole C3D file", "export it again", missing=missing),
         path.open("rb") as file,
         warnings.catch_warnings(),
         np.errstate(all="ignore"),
     ):
+        import c3d
+
         warnings.simplefilter("ignore")  # what is cut is told by its frames
         yield c3d.Reader(file)
 

@@ -79,6 +79,24 @@ class Owner(NamedTuple):
         return place if self.name in place else f"{self.name}, {place}"
 
 
+class Wanted(NamedTuple):
+    """Columns that are to be read from a file."""
+
+    numbers: Sequence[str]  # read as numbers
+    carried: Sequence[str] = ()  # with the type they have in the file
+    stamps: Mapping[str, Stamps] = MappingProxyType({})  # times of ``numbers``, read as seconds
+
+    @property
+    def names(self) -> list[str]:
+        """All of them, each once."""
+        return list(dict.fromkeys((*self.numbers, *self.carried)))
+
+    @property
+    def rules(self) -> dict[str, str]:
+        """What times must be, in messages."""
+        return {name: each.rule for name, each in self.stamps.items()}
+
+
 class Source(ABC):
     """Reader of a file of one format.
 
@@ -133,27 +151,19 @@ class Source(ABC):
         return ()
 
     @abstractmethod
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read these columns, in the order of the file, some thousand rows at a time.
 
         Parameters
         ----------
-        numbers
-            Columns to be read as numbers.
-        carried
-            Columns that keep the type they have in the file.
-        stamps
-            Those of ``numbers`` that are times as text or time stamps, and come as seconds.
+        wanted
+            Which columns, and what is made of them.
 
         Raises
         ------
         InvalidInput
-            If the file is damaged, or a column of ``numbers`` holds something else throughout.
+            If the file is damaged, or a column of ``wanted.numbers`` holds something else
+            throughout.
         """
 
 

@@ -1,13 +1,17 @@
-"""Lines of a text table: where they begin, how many fields they have, and which are damaged."""
+"""Lines of a text table: where they begin, their fields and the numbers in them, damaged ones."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from coopenv.arrays import BoolArray, IntArray
+from coopenv.arrays import BoolArray, FloatArray, IntArray
+from coopenv.logs.formats.chunks import Column
 
 LINE_FEED, RETURN = 10, 13
 OPEN, BROKEN = -1, -2  # instead of a number of fields: a quotation mark, a carriage return
+MISSING = {"", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-"}  # instead of a number
 
 
 class Lines:
@@ -86,3 +90,35 @@ class Lines:
         quoted = np.add.reduceat(self._codes == ord('"'), self.starts, dtype=np.int64)
         for number in np.flatnonzero((quoted > 0) & (self.fields != BROKEN)).tolist():
             self.fields[number] = len(self._fields(number)) if quoted[number] % 2 == 0 else OPEN
+
+
+def as_numbers(column: Any, decimal: str) -> tuple[FloatArray, BoolArray | None]:
+    """Numbers of a pyarrow column, NaN where a text is none; and where it is not even missing."""
+    import pyarrow as pa
+
+    if column.type == pa.float64():
+        return column.to_numpy(), None
+    texts = column.to_pylist()
+    values = np.fromiter((_number(text, decimal) for text in texts), np.float64, len(texts))
+    bad = np.zeros(len(texts), np.bool_)
+    for row in np.flatnonzero(np.isnan(values)).tolist():
+        bad[row] = texts[row].strip().lower() not in MISSING
+    return values, bad
+
+
+def _number(text: str, decimal: str) -> float:
+    try:
+        if "_" in text or (decimal != "." and "." in text):  # 1.234 may be meant as 1,234
+            return np.nan
+        return float(text.replace(decimal, "."))
+    except ValueError:
+        return np.nan
+
+
+def spread(values: npt.NDArray, good: BoolArray, missing: object) -> Column:
+    """Values where a row is good, and something else where it is not."""
+    if good.all():
+        return values
+    made = np.full(len(good), missing, dtype=values.dtype)
+    made[good] = values
+    return made

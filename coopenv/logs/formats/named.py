@@ -19,6 +19,7 @@ from coopenv.logs.formats.chunks import (
     Chunk,
     Column,
     Source,
+    Wanted,
     part_of,
     plain,
     rows_at_once,
@@ -87,25 +88,20 @@ class ArraySource(Source):
             if array in self._arrays and name not in self._columns:
                 self._add_part(name, array, index)
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read all arrays side by side."""
-        stamps = stamps or {}
+        numbers, carried, stamps = wanted
         for name in numbers:
             self._require_numbers(self._columns[name][0], stamps.get(name))
-        wanted = list(dict.fromkeys(self._columns[name][0] for name in (*numbers, *carried)))
-        most = rows_at_once(CHUNK_ROWS, self.row_bytes(wanted))
-        with self._reader(wanted) as read_rows:
+        arrays = list(dict.fromkeys(self._columns[name][0] for name in wanted.names))
+        most = rows_at_once(CHUNK_ROWS, self.row_bytes(arrays))
+        with self._reader(arrays) as read_rows:
             for first in range(0, self._rows, most):
                 rows = min(most, self._rows - first)
-                read = {name: self._oriented(name, read_rows, first, rows) for name in wanted}
+                read = {name: self._oriented(name, read_rows, first, rows) for name in arrays}
                 pick = {
                     name: read[self._columns[name][0]][(slice(None), *self._columns[name][1])]
-                    for name in (*numbers, *carried)
+                    for name in wanted.names
                 }
                 yield Chunk(
                     numbers={name: _numbers(pick[name], stamps.get(name)) for name in numbers},
@@ -113,7 +109,7 @@ class ArraySource(Source):
                     rows=rows,
                     first_row=first + 1,
                     progress=(first + rows) / self._rows,
-                    rules={name: each.rule for name, each in stamps.items()},
+                    rules=wanted.rules,
                 )
 
     @abstractmethod

@@ -27,6 +27,7 @@ from coopenv.logs.formats.chunks import (
     Column,
     Sink,
     Source,
+    Wanted,
     part_of,
     plain,
     rows_at_once,
@@ -73,20 +74,15 @@ class ParquetSource(Source):
             self.columns.append(name)
             self.left_out = [each for each in self.left_out if each != listed]
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read batch by batch; what is carried keeps its type."""
         from pyarrow import parquet
 
-        stamps = stamps or {}
+        numbers, carried, stamps = wanted
         for name in numbers:
             self._require_kind(name, stamps)
         row = 1
-        read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in (*numbers, *carried))
+        read = dict.fromkeys(self._parts.get(name, (name,))[0] for name in wanted.names)
         texts = [name for name in read if is_text(self._types[name]) and name not in stamps]
         with (
             _parsing(self._path),
@@ -100,7 +96,7 @@ class ParquetSource(Source):
                     rows=batch.num_rows,
                     first_row=row,
                     progress=(row - 1 + batch.num_rows) / total,
-                    rules={name: each.rule for name, each in stamps.items()},
+                    rules=wanted.rules,
                 )
                 row += batch.num_rows
 
@@ -134,11 +130,7 @@ class ParquetSource(Source):
     def _batches(self, file: Any, names: list[str]) -> Iterator[Any]:
         """Rows as pyarrow reads them, in parts where they hold much text."""
         first = 1
-        for batch in file.iter_batches(
-            batch_size=rows_at_once(CHUNK_ROWS, 8 * len(names)), columns=names
-        ):
-            if not batch.num_rows:
-                continue
+        for batch in _small_batches(file, names, rows_at_once(CHUNK_ROWS, 8 * len(names))):
             size = sum(bytes_of_rows(column) for column in batch.columns)  # of each row
             longest = int(np.max(size)) + 8 * len(names)
             place = f"{self._path}, row {first + int(np.argmax(size))}"
@@ -224,6 +216,24 @@ def _parsing(path: Path) -> Iterator[None]:
         raise InvalidInput(
             f"{path} must be a Parquet file, got {shown(error, 200)}; convert it, or write it again"
         ) from error
+
+
+def _small_batches(file: Any, names: list[str], rows: int) -> Iterator[Any]:
+    """So many rows at once, or fewer.
+
+    Of the row groups that it is asked for pyarrow keeps all that it has read until it has read all
+    of them, so that only few are asked for at a time.
+    """
+    groups: list[int] = []
+    there, last = 0, file.num_row_groups - 1
+    for number in range(last + 1):
+        groups.append(number)
+        there += file.metadata.row_group(number).num_rows
+        if there >= rows or number == last:
+            for batch in file.iter_batches(batch_size=rows, row_groups=groups, columns=names):
+                if batch.num_rows:
+                    yield batch
+            groups, there = [], 0
 
 
 def _require_footer(path: Path) -> None:

@@ -5,28 +5,25 @@ A file is split into lines here, so that every bad one has its number; pyarrow p
 
 import csv
 import io
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
-from coopenv.logs.declared.stamps import Stamps
-from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source
+from coopenv.logs.formats.chunks import Chunk, Column, Sink, Source, Wanted
 from coopenv.logs.formats.cleaning import BLANKS, cleaner, split
 from coopenv.logs.formats.encoded import Text
 from coopenv.logs.formats.head import SHORTEN, HeadReader
-from coopenv.logs.formats.lines import Lines
+from coopenv.logs.formats.lines import Lines, as_numbers, spread
 from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once
-MISSING = {"", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-"}  # instead of a number
 
 
 class TextSource(Source):
@@ -54,47 +51,44 @@ class TextSource(Source):
             head.separator, dialect.comment, columns=len(head.columns), empty=head.empty
         )
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read block by block; what is carried stays text."""
-        stamps = stamps or {}
         row, line = 1, self._head.line
-        rules = {name: each.rule for name, each in stamps.items()}
         for block, progress in self._blocks():
             lines = Lines(block, line, self.columns, self.separator, self.split)
             if lines.longest > self._limits.row_bytes:
                 place = f"{self._path}, line {line + lines.longest_number}"
                 self._limits.require("row_bytes", "more", place, SHORTEN)
             if lines.rows:
-                table = self._parse(lines, numbers, carried, stamps)
-                good = lines.good[lines.kept]
-                read: dict[str, FloatArray] = {}
-                bad: dict[str, BoolArray] = {}
-                for name in numbers:
-                    if name in stamps:
-                        values, wrong = stamps[name].of_texts(table[name]), None
-                    else:
-                        values, wrong = _numbers(table[name], self._decimal)
-                    read[name] = _spread(values, good, np.nan)
-                    if wrong is not None:
-                        bad[name] = _spread(wrong, good, True)
-                yield _TextChunk(
-                    numbers=read,
-                    carried={name: _spread(table[name].to_numpy(), good, "") for name in carried},
-                    rows=lines.rows,
-                    first_row=row,
-                    progress=progress,
-                    rule=self._rule,
-                    rules=rules,
-                    bad=bad,
-                    fields=np.where(good, 0, lines.fields[lines.kept]),
-                    lines=lines,
-                )
+                yield self._chunk(lines, wanted, row, progress)
             row, line = row + lines.rows, line + len(lines.ends)
+
+    def _chunk(self, lines: Lines, wanted: Wanted, first_row: int, progress: float) -> Chunk:
+        """Rows of a block."""
+        table = self._parse(lines, wanted)
+        good = lines.good[lines.kept]
+        read: dict[str, FloatArray] = {}
+        bad: dict[str, BoolArray] = {}
+        for name in wanted.numbers:
+            if name in wanted.stamps:
+                values, wrong = wanted.stamps[name].of_texts(table[name]), None
+            else:
+                values, wrong = as_numbers(table[name], self._decimal)
+            read[name] = spread(values, good, np.nan)
+            if wrong is not None:
+                bad[name] = spread(wrong, good, True)
+        return _TextChunk(
+            numbers=read,
+            carried={name: spread(table[name].to_numpy(), good, "") for name in wanted.carried},
+            rows=lines.rows,
+            first_row=first_row,
+            progress=progress,
+            rule=self._rule,
+            rules=wanted.rules,
+            bad=bad,
+            fields=np.where(good, 0, lines.fields[lines.kept]),
+            lines=lines,
+        )
 
     def split(self, line: str, place: str) -> list[str]:
         """Fields of a line, without quotation marks."""
@@ -124,18 +118,12 @@ class TextSource(Source):
                         yield bytes(rest + read + b"\n"), 1.0
                     return
 
-    def _parse(
-        self,
-        lines: Lines,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Collection[str],
-    ) -> Any:
+    def _parse(self, lines: Lines, wanted: Wanted) -> Any:
         """The columns as pyarrow parses them; all as text where a number is not one."""
         import pyarrow as pa
 
-        texts = dict.fromkeys([*carried, *stamps], pa.string())
-        types = dict.fromkeys(numbers, pa.float64()) | texts
+        texts = dict.fromkeys([*wanted.carried, *wanted.stamps], pa.string())
+        types = dict.fromkeys(wanted.numbers, pa.float64()) | texts
         data = lines.good_bytes()
         if not data:  # every line lacks fields or has too many; pyarrow takes none for a fault
             return pa.schema(list(types.items())).empty_table()
@@ -143,7 +131,7 @@ class TextSource(Source):
             return self._table(data, types)
         except pa.ArrowInvalid:
             pass
-        types = dict.fromkeys(numbers, pa.string()) | texts
+        types = dict.fromkeys(wanted.numbers, pa.string()) | texts
         try:
             return self._table(data, types)
         except pa.ArrowInvalid as error:
@@ -242,38 +230,6 @@ class _TextChunk(Chunk):
 
     def text(self, row: int, column: str) -> str:
         return self.lines.field(row, column)
-
-
-def _numbers(column: Any, decimal: str) -> tuple[FloatArray, BoolArray | None]:
-    """Numbers of a pyarrow column, NaN where a text is none; and where it is not even missing."""
-    import pyarrow as pa
-
-    if column.type == pa.float64():
-        return column.to_numpy(), None
-    texts = column.to_pylist()
-    values = np.fromiter((_number(text, decimal) for text in texts), np.float64, len(texts))
-    bad = np.zeros(len(texts), np.bool_)
-    for row in np.flatnonzero(np.isnan(values)).tolist():
-        bad[row] = texts[row].strip().lower() not in MISSING
-    return values, bad
-
-
-def _number(text: str, decimal: str) -> float:
-    try:
-        if "_" in text or (decimal != "." and "." in text):  # 1.234 may be meant as 1,234
-            return np.nan
-        return float(text.replace(decimal, "."))
-    except ValueError:
-        return np.nan
-
-
-def _spread(values: npt.NDArray, good: BoolArray, missing: object) -> Column:
-    """Values where a row is good, and something else where it is not."""
-    if good.all():
-        return values
-    spread = np.full(len(good), missing, dtype=values.dtype)
-    spread[good] = values
-    return spread
 
 
 def _array(values: Column) -> Any:

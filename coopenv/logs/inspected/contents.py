@@ -15,7 +15,7 @@ from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats import open_source, parts_of
 from coopenv.logs.formats.chunks import Column as Values
-from coopenv.logs.formats.chunks import Source
+from coopenv.logs.formats.chunks import Source, Wanted
 from coopenv.logs.inspected.clock import Clock, Ticks, form_of, time_column
 from coopenv.logs.limits import Limits
 
@@ -96,7 +96,7 @@ def _inspected(path: Path, part: str, dialect: Dialect, limits: Limits) -> Conte
         stamps = {time: Stamps(form)} if time is not None and form else {}
         asked = [*numbers, *stamps]
         ticks, tallies, rows = Ticks(), {name: _Tally() for name in numbers}, 0
-        for chunk in source.chunks(asked, [], stamps):
+        for chunk in source.chunks(Wanted(asked, stamps=stamps)):
             rows += chunk.rows
             for name, tally in tallies.items():
                 tally.add(chunk.numbers[name])
@@ -146,7 +146,7 @@ class _Tally:
 
 def _first_values(path: Path, source: Source) -> dict[str, Values]:
     """What the first rows have in every column, as the file has it."""
-    chunk = next(iter(source.chunks([], source.columns)), None)
+    chunk = next(iter(source.chunks(Wanted([], source.columns))), None)
     if chunk is None:
         raise InvalidInput(f"{path} must have rows of data, got none; record some")
     return {name: chunk.carried[name][:1000] for name in source.columns}

@@ -1,15 +1,14 @@
 """Missing values between the samples of slower devices, filled by a declared rule up to a gap."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.errors import InvalidInput
-from coopenv.logs.declared.stamps import Stamps
-from coopenv.logs.formats.chunks import Chunk, Roles, Source
+from coopenv.logs.formats.chunks import Chunk, Roles, Source, Wanted
 from coopenv.logs.joining.between import interpolated, slerped
 from coopenv.logs.layout import Layout
 
@@ -62,21 +61,16 @@ class FilledSource(Source):
         rule = f"{self._method}, in gaps of at most {self._gap:g} s"
         return [*self._source.notes, f"{self._filled:,} missing values filled: {rule}"]
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Pieces of the source, each once it is known what comes after its gaps."""
-        samples = _Samples([name for name in numbers if name != self._roles.time], self._gap)
+        samples = _Samples([name for name in wanted.numbers if name != self._roles.time], self._gap)
         waiting: deque[tuple[Chunk, FloatArray]] = deque()
-        for chunk in self._source.chunks(numbers, carried, stamps):
+        for chunk in self._source.chunks(wanted):
             waiting.append((chunk, samples.add(chunk, self._roles)))
             while waiting and samples.settled(waiting[0][1]):
-                yield self._complete(*waiting.popleft(), samples)
-                if waiting:
-                    samples.forget(waiting[0][1])
+                done, time = waiting.popleft()
+                yield self._complete(done, time, samples)
+                samples.forget(waiting[0][1] if waiting else np.fmax.reduce(time, keepdims=True))
             if len(waiting) > HELD:
                 raise InvalidInput(
                     f"longest_gap must be shorter than {HELD} pieces of a file of some thousand "

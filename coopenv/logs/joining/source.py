@@ -1,6 +1,5 @@
 """Files of several devices as one source, at the times of one of them or at a rate."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -8,20 +7,11 @@ import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray, IntArray
 from coopenv.errors import InvalidInput
-from coopenv.logs.declared.stamps import Stamps
-from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, Roles, Source
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Column, Roles, Source, Wanted
+from coopenv.logs.joining.names import TIME, Names
 from coopenv.logs.joining.rows import JoinedChunk
 from coopenv.logs.joining.stream import Stream
 from coopenv.logs.limits import Limits
-
-TIME = "time"
-
-
-class _Column(NamedTuple):
-    """A column, and whose it is."""
-
-    stream: Stream
-    name: str  # in its file
 
 
 class _Rows(NamedTuple):
@@ -65,12 +55,7 @@ class JoinedSource(Source):
         self._streams, self._clock, self._rate = tuple(streams), clock, rate
         self._limits, self._by_rows = limits, by_rows
         self._roles = Roles()
-        self._place: dict[str, _Column] = {}
-        count = Counter(name for stream in streams for name in stream.columns)
-        for stream in streams:
-            for name in stream.columns:
-                alone = count[name] == 1 and name != TIME
-                self._place[name if alone else f"{stream.name}/{name}"] = _Column(stream, name)
+        self._names = Names(streams)
         self._kept = self._made = 0
         self._span = [np.inf, -np.inf]
         self._list()
@@ -81,18 +66,11 @@ class JoinedSource(Source):
 
     def _list(self) -> None:
         timed = not self._by_rows or (self._clock is not None and self._clock.time_column)
-        self.columns = [TIME] * bool(timed) + list(self._place)
-        self.units = {
-            name: unit
-            for name, (stream, theirs) in self._place.items()
-            if (unit := stream.source.units.get(theirs))
-        }
+        self.columns = [TIME] * bool(timed) + list(self._names)
+        self.units, self.made = self._names.units, self._names.made
         self.repeated = {
             name for stream in self._streams for name in stream.source.repeated
         } - {TIME}  # fmt: skip
-        self.made = [
-            name for name, (stream, own) in self._place.items() if own in stream.source.made
-        ]
         self.left_out = [
             name if len(self._streams) == 1 else f"{stream.name}/{name}"
             for stream in self._streams
@@ -105,34 +83,12 @@ class JoinedSource(Source):
 
     def offer(self, names: Iterable[str]) -> None:
         """Make columns of what names say by device, and of parts of arrays."""
-        for name in names:
-            if name in self._place:
-                continue
-            of_device = [each for each in self._streams if name.startswith(f"{each.name}/")]
-            for stream in of_device or self._streams:
-                own = name.removeprefix(f"{stream.name}/") if of_device else name
-                self._offer(name, stream, own)
+        self._names.offer(names)
         self._list()
-
-    def _offer(self, name: str, stream: Stream, own: str) -> None:
-        if own not in stream.source.columns:
-            stream.source.offer([own])
-        if own not in stream.columns:
-            return
-        if name in self._place:
-            first = self._place[name].stream.name
-            raise InvalidInput(
-                f"{name} must be a column of one device, got it of {first} and {stream.name}; "
-                f"write {first}/{name}"
-            )
-        for other, there in list(self._place.items()):
-            if there == (stream, own):  # under its name alone
-                del self._place[other]
-        self._place[name] = _Column(stream, own)
 
     def assign(self, roles: Roles) -> None:
         """Say what columns are, of which an orientation must be of one device."""
-        owners = {self._place[name].stream for name in roles.quaternion}
+        owners = {self._names[name].stream for name in roles.quaternion}
         if len(owners) > 1:
             names = ", ".join(roles.quaternion)
             raise InvalidInput(f"a quaternion must be of one device, got {names}; map one device's")
@@ -169,49 +125,29 @@ class JoinedSource(Source):
                 said.append(f"{stream.dropped:,} bad samples of {stream.name} were passed over")
         return said
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read all devices side by side."""
-        place = {name: self._place[name] for name in (*numbers, *carried) if name != TIME}
+        names = self._names
         for stream in self._others:
-            theirs = [
-                {name: c.name for name in names if (c := place.get(name)) and c.stream is stream}
-                for names in (numbers, carried)
-            ]
-            asked = [list(dict.fromkeys(each.values())) for each in theirs]
-            roles = Roles(
-                quaternion=tuple(filter(None, map(theirs[0].get, self._roles.quaternion))),
-                angle=theirs[0].get(self._roles.angle, ""),
-                period=self._roles.period,
-            )
-            stream.begin(asked[0], asked[1], roles)
+            asked, roles = names.wanted_of(stream, wanted), names.roles_of(stream, self._roles)
+            stream.begin(asked, roles)
         row = 1
-        for rows in self._rows(numbers, carried, place):
+        for rows in self._rows(wanted):
             kept = self._common(rows.time)
             self._made, self._kept = self._made + len(kept), self._kept + int(kept.sum())
             if kept.any():
-                chunk = self._chunk(rows, np.flatnonzero(kept), numbers, carried, place, row)
+                chunk = self._chunk(rows, np.flatnonzero(kept), wanted, row)
                 yield chunk
                 row += chunk.rows
         self._require_rows()
 
-    def _rows(
-        self, numbers: Sequence[str], carried: Sequence[str], place: Mapping[str, _Column]
-    ) -> Iterator[_Rows]:
+    def _rows(self, wanted: Wanted) -> Iterator[_Rows]:
         """Times of rows, with all other devices read so far."""
         if self._clock is None:
             yield from self._at_rate()
             return
-        own = [
-            [place[n].name for n in names if n in place and place[n].stream is self._clock]
-            for names in (numbers, carried)
-        ]
         last = -np.inf
-        for chunk, time in self._clock.chunks(*own):
+        for chunk, time in self._clock.chunks(self._names.wanted_of(self._clock, wanted)):
             known = time[np.isfinite(time)]
             if len(known):
                 self._require_order(chunk, time, last)
@@ -269,16 +205,9 @@ class JoinedSource(Source):
             self._span = [min(self._span[0], known.min()), max(self._span[1], known.max())]
         return kept
 
-    def _chunk(
-        self,
-        rows: _Rows,
-        index: IntArray,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        place: Mapping[str, _Column],
-        first_row: int,
-    ) -> Chunk:
+    def _chunk(self, rows: _Rows, index: IntArray, wanted: Wanted, first_row: int) -> Chunk:
         at, clock = rows.time[index], rows.chunk
+        place = {name: self._names[name] for name in wanted.names if name != TIME}
         read: dict[Stream | None, Mapping[str, FloatArray]] = {}
         held: dict[Stream | None, Mapping[str, Column]] = {}
         for stream in self._others:
@@ -290,13 +219,13 @@ class JoinedSource(Source):
             held[self._clock] = {name: each[index] for name, each in clock.carried.items()}
             if self._clock.time_column:
                 own[TIME] = self._clock.time_column
-        made = {n: read[place[n].stream][place[n].name] for n in numbers if n != TIME}
-        if TIME in numbers:
+        made = {n: read[place[n].stream][place[n].name] for n in wanted.numbers if n != TIME}
+        if TIME in wanted.numbers:
             made[TIME] = self._time(rows, index)
         first = self._clock is self._streams[0]
         return JoinedChunk(
             numbers=made,
-            carried={n: held[place[n].stream][place[n].name] for n in carried},
+            carried={n: held[place[n].stream][place[n].name] for n in wanted.carried},
             rows=len(index),
             first_row=first_row,
             progress=rows.progress,

@@ -1,6 +1,6 @@
 """Samples of one device, read as far as somebody asks for and forgotten when they are over."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from coopenv.logs.declared.devices import Device
 from coopenv.logs.declared.stamps import ISO, Origin, Stamps, is_form
 from coopenv.logs.declared.units import UNITS, known_unit
 from coopenv.logs.formats import open_source
-from coopenv.logs.formats.chunks import Chunk, Column, Owner, Roles
+from coopenv.logs.formats.chunks import Chunk, Column, Owner, Roles, Wanted
 from coopenv.logs.joining.between import interpolated, neighbours, slerped
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import shown
@@ -80,26 +80,24 @@ class Stream:
         """All but that of time."""
         return [name for name in self.source.columns if name != self.time_column]
 
-    def begin(self, numbers: Sequence[str], carried: Sequence[str], roles: Roles) -> None:
+    def begin(self, wanted: Wanted, roles: Roles) -> None:
         """From the first sample, these columns."""
-        self._numbers, self._carried, self._roles = tuple(numbers), tuple(carried), roles
-        self._chunks = self.chunks(numbers, carried)
+        self._wanted, self._roles = wanted, roles
+        self._chunks = self.chunks(wanted)
         self._time: FloatArray = np.zeros(0)
-        self._values: dict[str, FloatArray] = {name: np.zeros(0) for name in numbers}
+        self._values: dict[str, FloatArray] = {name: np.zeros(0) for name in wanted.numbers}
         self._others: dict[str, Column] = {}
         self.rows, self.last, self.ended = 0, -np.inf, False
         while self._read() and not len(self._time):
             pass
         self.first = float(self._time[0]) if len(self._time) else np.nan
 
-    def chunks(
-        self, numbers: Sequence[str], carried: Sequence[str]
-    ) -> Iterator[tuple[Chunk, FloatArray]]:
+    def chunks(self, wanted: Wanted) -> Iterator[tuple[Chunk, FloatArray]]:
         """Pieces of the file, and the time of each row [s]; NaN where there is none."""
         column, row = self.time_column, 0
-        asked = dict.fromkeys([*numbers, *[column] * bool(column)])
-        stamps = {column: self._stamps} if column and self._stamps is not None else None
-        chunks = self.source.chunks(list(asked), carried, stamps)
+        asked = dict.fromkeys([*wanted.numbers, *[column] * bool(column)])
+        stamps = {column: self._stamps} if column and self._stamps is not None else {}
+        chunks = self.source.chunks(Wanted(list(asked), wanted.carried, stamps))
         while True:
             with reading(self.path):
                 chunk = next(chunks, None)
@@ -179,11 +177,11 @@ class Stream:
         self.progress = chunk.progress
         self.rows += chunk.rows
         usable = self._usable(chunk, time)
-        kept = {name: chunk.numbers[name][usable] for name in self._numbers}
-        others = {name: chunk.carried[name][usable] for name in self._carried}
+        kept = {name: chunk.numbers[name][usable] for name in self._wanted.numbers}
+        others = {name: chunk.carried[name][usable] for name in self._wanted.carried}
         self._time = np.concatenate([self._time, time[usable]])
         self._values = {
-            name: np.concatenate([self._values[name], kept[name]]) for name in self._numbers
+            name: np.concatenate([self._values[name], each]) for name, each in kept.items()
         }
         if len(next(iter(self._others.values()), ())):
             others = {k: np.concatenate([self._others[k], each]) for k, each in others.items()}
@@ -211,7 +209,7 @@ class Stream:
             ),
             (falls, lambda row: f", column {column!r} must increase, got {time[row]:.12g} s later"),
         ]
-        for name in self._numbers:
+        for name in self._wanted.numbers:
             bad = np.isinf(chunk.numbers[name]) | chunk.bad.get(name, False)
             faults.append(
                 (

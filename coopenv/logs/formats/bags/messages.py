@@ -3,8 +3,8 @@
 Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Generator, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from itertools import islice
 from operator import attrgetter
@@ -17,7 +17,7 @@ from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.logs.declared.dialect import Dialect
 from coopenv.logs.declared.stamps import Stamps
 from coopenv.logs.formats.bags.folder import require_whole
-from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source
+from coopenv.logs.formats.chunks import CHUNK_ROWS, Chunk, Source, Wanted
 from coopenv.logs.formats.damage import parsing
 from coopenv.logs.limits import Limits, shown
 
@@ -64,19 +64,13 @@ class BagSource(Source):
             f"and has {self._found:,}",
         )
 
-    def chunks(
-        self,
-        numbers: Sequence[str],
-        carried: Sequence[str],
-        stamps: Mapping[str, Stamps] | None = None,
-    ) -> Iterator[Chunk]:
+    def chunks(self, wanted: Wanted) -> Iterator[Chunk]:
         """Read some thousand messages at a time."""
-        names = [name for name in dict.fromkeys((*numbers, *carried)) if name != TIME]
+        names = [name for name in wanted.names if name != TIME]
         take = [attrgetter(self._ways[name]) for name in names]
-        clock = (stamps or {}).get(TIME) or Stamps("iso")
+        clock = wanted.stamps.get(TIME) or Stamps("iso")
         row, most = 1, max(self._messages, 1)
-        with _bag(self._path) as bag:
-            messages = self._read(bag)
+        with _bag(self._path) as bag, closing(self._read(bag)) as messages:
             while part := list(islice(messages, CHUNK_ROWS)):
                 rows = len(part)
                 table = {
@@ -86,8 +80,8 @@ class BagSource(Source):
                 times = np.fromiter((_time(each, logged) for logged, each in part), np.int64, rows)
                 table[TIME] = clock.of_nanoseconds(times, np.ones(rows, np.bool_))
                 yield _Messages(
-                    numbers={name: table[name] for name in numbers},
-                    carried={name: table[name] for name in carried},
+                    numbers={name: table[name] for name in wanted.numbers},
+                    carried={name: table[name] for name in wanted.carried},
                     rows=rows,
                     first_row=row,
                     progress=min(1.0, (row - 1 + rows) / most),
@@ -96,12 +90,15 @@ class BagSource(Source):
                 row += rows
         self._found = row - 1
 
-    def _read(self, bag: Any) -> Iterator[tuple[int, Any]]:
+    def _read(self, bag: Any) -> Generator[tuple[int, Any], None, None]:
         """When messages were recorded [ns], and what they say."""
         wanted = [each for each in bag.connections if each.topic == self._topic]
-        for connection, logged, raw in bag.messages(connections=wanted):
-            self._limits.require("row_bytes", len(raw), f"{self._path}", "leave out what is large")
-            yield logged, bag.deserialize(raw, connection.msgtype)
+        _forget_others(bag, wanted)
+        with closing(bag.messages(connections=wanted)) as messages:  # before the bag is
+            for connection, logged, raw in messages:
+                place = f"{self._path}"
+                self._limits.require("row_bytes", len(raw), place, "leave out what is large")
+                yield logged, bag.deserialize(raw, connection.msgtype)
 
 
 def topics(path: Path, limits: Limits) -> list[str]:
@@ -121,22 +118,21 @@ class _Messages(Chunk):
 
 
 @contextmanager
+@contextmanager
 def _bag(path: Path, limits: Limits | None = None) -> Iterator[Any]:
     """An open bag, which is checked where ``limits`` are given."""
-    try:
+    missing = MissingExtra("reading ROS bags", "ros")
+    with parsing(path, "a whole ROS bag", "record or convert it again", missing=missing):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise MissingExtra("reading ROS bags", "ros") from error
-    if limits is not None and path.is_dir():
-        require_whole(path, limits)
-    with (
-        parsing(path, "a whole ROS bag", "record or convert it again"),
-        AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag,
-    ):
-        if limits is not None:
-            limits.require("block_bytes", _largest(bag), f"{path}", "record it in smaller chunks")
-        yield bag
+
+        if limits is not None and path.is_dir():
+            require_whole(path, limits)
+        with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as bag:
+            if limits is not None:
+                remedy = "record it in smaller chunks"
+                limits.require("block_bytes", _largest(bag), f"{path}", remedy)
+            yield bag
 
 
 def _topics(bag: Any) -> dict[str, dict[str, str]]:
@@ -165,6 +161,14 @@ def _numbers(message: Any, prefix: str, depth: int = 0) -> Iterator[str]:
             yield prefix + entry.name
         elif not (entry.name == "header" and not prefix):
             yield from _numbers(value, f"{prefix}{entry.name}.", depth + 1)
+
+
+def _forget_others(bag: Any, wanted: list[Any]) -> None:
+    """Drop the places of other topics' messages, all of which a reader of a ROS 1 bag holds."""
+    kept = {each.id for each in wanted}
+    for reader in bag.readers:
+        places = getattr(reader, "indexes", {})
+        places.update({number: [] for number in places if number not in kept})
 
 
 def _time(message: Any, logged: int) -> int:

@@ -1,10 +1,8 @@
 """Matching of a file's columns to the documented ones, as a layout asks."""
 
 import re
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 
 from coopenv.errors import InvalidInput
 from coopenv.logs.calibration.declared import needed
@@ -21,10 +19,10 @@ from coopenv.logs.declared.stamps import is_form
 from coopenv.logs.declared.units import factor_of
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import Limits, shown
+from coopenv.logs.plan.matching import Need, find, negated, require_no_other_case, some
 
 NUMBERED = re.compile(r"[ftr]\d+[xyz]")  # from any number
 SPATIAL = re.compile(r"[fr]\d+z|t\d+[xy]")  # out of the plane
-LISTED = 30  # columns that a message lists
 DIGITS = 9  # of the number of an effector
 
 
@@ -91,9 +89,9 @@ def make_plan(
         If a column is missing or said twice; the message names the nearest there is.
     """
     units = units or {}
-    found = _find(path, columns, layout, repeated)
+    found = find(path, columns, layout, repeated)
     count = _count(path, found, layout.limits)
-    need = _Need(path, columns, found)
+    need = Need(path, columns, found)
     need("f1x", "f1y")
     dimension = _dimension(found, layout, count)
     if layout.grips is not None and grips_in_file:
@@ -103,9 +101,9 @@ def make_plan(
     groups = [group for kind in kinds for group in effector_names(kind, count, dimension)]
     required = ["time"] if "time" in found else []
     required += need(*(name for group in groups for name in group))
-    if not grips_vary and _some(found, "r"):
+    if not grips_vary and some(found, "r"):
         raise InvalidInput(
-            f"grips must be said once, got columns {_some(found, 'r')} in {path} as well; leave "
+            f"grips must be said once, got columns {some(found, 'r')} in {path} as well; leave "
             "out --grips or the columns (--map r1x=)"
         )
     twist = _twist(need, dimension)
@@ -117,7 +115,7 @@ def make_plan(
     source = {name: found[name] for name in required + optional}
     taken = set(source.values())
     rest = [name for name in columns if name not in taken]
-    _require_no_other_case(path, rest, found, layout)
+    require_no_other_case(path, rest, found, layout)
     # carried, they would mean something where the table is read again
     unused = dict.fromkeys(name for name in rest if is_documented(name) or NUMBERED.fullmatch(name))
     return Plan(
@@ -131,48 +129,6 @@ def make_plan(
         unused=tuple(unused),
         grips_vary=grips_vary,
     )
-
-
-def _find(
-    path: str, columns: Sequence[str], layout: Layout, repeated: Collection[str]
-) -> dict[str, str]:
-    """Documented name → column, of all that are there."""
-    there = set(columns)
-    for name in repeated:
-        if name not in layout.columns:
-            raise InvalidInput(
-                f"{path}: columns must differ, got {name!r} twice; rename one, or say which is "
-                f"meant, --map {name}={name} or {name}={name}.1"
-            )
-    if len(there) < len(columns):
-        twice = next(name for name, number in Counter(columns).items() if number > 1)
-        raise InvalidInput(f"{path}: columns must differ, got {twice!r} twice; rename one")
-    found = {name: name for name in columns if is_documented(name)}
-    for name, said in layout.columns.items():
-        found.pop(name, None)
-        if not said:
-            continue
-        theirs = said[1:] if _negated(said, there) else said
-        if theirs not in there:
-            hint = _hint(name, columns, theirs.removeprefix("-"))
-            raise InvalidInput(
-                f"{path}: {name} must be mapped to one of its columns, got {theirs!r}; {hint}"
-            )
-        found[name] = theirs
-        if found.get(theirs) == theirs and theirs not in layout.columns and theirs != name:
-            del found[theirs]  # its own name would mean something else
-    zero = [name for name in columns if re.fullmatch(r"[ft]0[xyz]", name)]
-    if zero and not set(zero) & set(found.values()):  # the first effector would be overlooked
-        raise InvalidInput(
-            f"{path}: effectors are numbered from 1, got column {zero[0]!r}; rename the columns or "
-            f"map all of them, --map f1x=f0x f2x=f1x …; has: {_listed(columns)}"
-        )
-    return found
-
-
-def _negated(said: str, columns: Collection[str]) -> bool:
-    """Whether a mapping turns the sign of a column: "-Fx", unless a column is called so."""
-    return said.startswith("-") and said not in columns and said[1:] in columns
 
 
 def _count(path: str, found: dict[str, str], limits: Limits) -> int:
@@ -204,7 +160,7 @@ def _dimension(found: dict[str, str], layout: Layout, count: int) -> int:
     return 3 if any(SPATIAL.fullmatch(name) for name in found) else 2
 
 
-def _twist(need: "_Need", dimension: int) -> list[str]:
+def _twist(need: "Need", dimension: int) -> list[str]:
     """Columns of the twist: all of them, or none."""
     there = [name for name in TWIST[dimension] if name in need.found]
     if not there:
@@ -232,7 +188,7 @@ def _pose(layout: Layout, dimension: int, grips_vary: bool, twist: bool) -> list
     return names
 
 
-def _corrected(need: "_Need", layout: Layout, dimension: int) -> list[str]:
+def _corrected(need: "Need", layout: Layout, dimension: int) -> list[str]:
     """Columns that corrections need, and all of the pose that they move."""
     wanted = needed(layout, dimension)
     position, orientation = POSITION[dimension], ORIENTATION[dimension]
@@ -243,27 +199,6 @@ def _corrected(need: "_Need", layout: Layout, dimension: int) -> list[str]:
             names += columns
     tables = "[sensors], [pose] and [filters] of the layout"
     return need(*names, remedy=f"a correction needs it; see {tables}")
-
-
-def _require_no_other_case(
-    path: str, rest: Sequence[str], found: dict[str, str], layout: Layout
-) -> None:
-    """Raise where a column that would be carried differs from a documented name in case alone."""
-    for column in rest:
-        name = column.strip().lower()
-        known = is_documented(name) and name != column and column not in found
-        if not known or name in layout.columns or (name == "time" and layout.joins):
-            continue
-        if name in found:
-            raise InvalidInput(
-                f"{path}: columns must differ by more than capitals, got {name!r} and "
-                f"{shown(column)!r}; say which is meant, --map {name}={name} or "
-                f"{name}={shown(column)}"
-            )
-        raise InvalidInput(
-            f"{path}: column {shown(column)!r} must be called {name} if it is that, got "
-            f"another spelling; say --map {name}={shown(column)}, or --map {name}= if it is not"
-        )
 
 
 def _factor(
@@ -280,65 +215,4 @@ def _factor(
     said = units.get(found[name], "")
     if kind is not None and said and not (kind == "time" and is_form(layout.time)):
         scale = factor_of(path, found[name], kind, said, getattr(layout, kind))
-    return -scale if _negated(layout.columns.get(name, ""), columns) else scale
-
-
-@dataclass(frozen=True, slots=True)
-class _Need:
-    """Insists on columns, and helps to find the one that is missing."""
-
-    path: str
-    columns: Sequence[str]
-    found: dict[str, str]
-
-    def __call__(self, *names: str, remedy: str = "") -> list[str]:
-        for name in names:
-            if name not in self.found:
-                advice = [_hint(name, self.columns), self._remedy(name) or remedy]
-                raise InvalidInput(
-                    f"{self.path}: column {name} must be there, got none of that name; "
-                    f"{'; '.join(filter(None, advice))}"
-                )
-        return list(names)
-
-    def _remedy(self, name: str) -> str:
-        """An option that does without the column, if nothing of its kind is there."""
-        effector = EFFECTOR.fullmatch(name)
-        kind = "" if effector is None else effector[1]
-        if kind == "t" and not _some(self.found, "t"):
-            return "say --forces-only if the effectors apply no torque"
-        if kind == "r" and not _some(self.found, "r"):
-            return "or give the grips once with --grips"
-        return ""
-
-
-def _some(found: dict[str, str], kind: str) -> str:
-    """The columns of effectors of ``kind`` f, t or r that are there."""
-    matches = [EFFECTOR.fullmatch(name) for name in found]
-    return ", ".join(match[0] for match in matches if match is not None and match[1] == kind)
-
-
-def _hint(name: str, columns: Sequence[str], like: str = "") -> str:
-    """The column nearest to the name, or to ``like``, and all there are."""
-    lower = {column.lower(): column for column in columns if like or not _taken(name, column)}
-    nearest = get_close_matches((like or name).lower(), lower, n=1, cutoff=0.5)
-    if nearest:
-        theirs = lower[nearest[0]]
-        return (
-            f"did you mean {theirs!r}? rename it or map it, --map {name}={shown(theirs)}; has: "
-            f"{_listed(columns)}"
-        )
-    return f"rename a column or map it, --map {name}=COLUMN; has: {_listed(columns)}"
-
-
-def _taken(name: str, column: str) -> bool:
-    """Whether a column's own name says that it is something other than ``name``."""
-    if is_documented(column):
-        return True
-    other, own = EFFECTOR.fullmatch(column.lower()), EFFECTOR.fullmatch(name)
-    return other is not None and own is not None and other[1] != own[1]
-
-
-def _listed(columns: Sequence[str]) -> str:
-    named = ", ".join(shown(column) for column in columns[:LISTED])
-    return named + (" …" if len(columns) > LISTED else "")
+    return -scale if negated(layout.columns.get(name, ""), columns) else scale
