@@ -3,7 +3,7 @@
 Numbers of a message are columns, called by the way to them: ``wrench/force/x``.
 """
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from itertools import islice
