@@ -67,13 +67,13 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     Thread(target=_end_with_parent, daemon=True).start()
     try:
-        work(Path(sys.argv[1]), _tell)
+        work(Path(sys.argv[1]), tell)
     except CoopenvError as error:
-        _tell({"failed": str(error)})
+        tell({"failed": str(error)})
         sys.exit(1)
     except KeyboardInterrupt:
         sys.exit(130)
-    _tell({"done": True})
+    tell({"done": True})
 
 
 def _policy(
@@ -144,7 +144,8 @@ def _end_with_parent() -> None:
     os._exit(130)
 
 
-def _tell(said: dict[str, Any]) -> None:
+def tell(said: dict[str, Any]) -> None:
+    """Print a line of JSON, at once."""
     print(json.dumps(said), flush=True)
 
 

@@ -36,7 +36,7 @@ from coopenv.compiled.dependencies import KERNELS, stamp
 DIGEST = 32  # bytes
 
 
-class _Locator:
+class Locator:
     """Where numba keeps a kernel of ours, with a stamp of all that the kernel depends on."""
 
     @classmethod
@@ -76,7 +76,7 @@ def _read_only(place: Any) -> Any:
     return Place
 
 
-class _Files(IndexDataCacheFile):
+class Files(IndexDataCacheFile):
     """Files of a kernel, each with a digest of its content and of numba's version at its end."""
 
     def _load_index(self) -> dict[Any, str]:
@@ -134,7 +134,7 @@ def _checked(kind: Any) -> Any:
         def __init__(self, py_func: Any):
             super().__init__(py_func)
             base, own = self._impl.filename_base, self._impl.locator.get_source_stamp()
-            self._cache_file = _Files(self._cache_path, base, own)
+            self._cache_file = Files(self._cache_path, base, own)
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             for load in (super().load_overload, *(one.load_overload for one in self.elsewhere)):
@@ -165,7 +165,7 @@ def _read_only_kinds(ours: Any) -> list[Any]:
     """A kind of cache for each kind of folder that cannot be written."""
     kinds = []
     for place in CompileResultCacheImpl._locator_classes:
-        if place is not _Locator:
+        if place is not Locator:
             locators = {"_locator_classes": [_read_only(place)]}
             impl = type("ReadOnlyImpl", (ours._impl_class,), locators)
             kinds.append(type("ReadOnly", (ours,), {"_impl_class": impl}))
@@ -261,7 +261,7 @@ def _warn(error: Exception) -> None:
 
 _warned: list[Exception] = []
 _forgotten: WeakSet[Any] = WeakSet()  # functions whose read-only code is of no use
-CompileResultCacheImpl._locator_classes.insert(0, _Locator)
+CompileResultCacheImpl._locator_classes.insert(0, Locator)
 
 _replaced: dict[str, Any] = {
     "FunctionCache": _cache_of(_KernelCache, FunctionCache),

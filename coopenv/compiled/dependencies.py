@@ -66,13 +66,14 @@ def _constants(module: ModuleType) -> Iterator[tuple[str, Any]]:
     for name, value in sorted(vars(module).items()):
         if isinstance(value, np.ndarray):
             yield name, value.tobytes()
-        elif _is_constant(value):
+        elif is_constant(value):
             yield name, value
 
 
-def _is_constant(value: Any) -> bool:
+def is_constant(value: Any) -> bool:
+    """Whether it is a number, or a tuple of numbers."""
     if isinstance(value, tuple):
-        return all(map(_is_constant, value))
+        return all(map(is_constant, value))
     return isinstance(value, int | float | np.number)
 
 

@@ -124,13 +124,11 @@ def _hardest(
         one = fixed if length is None else replace(fixed, length=(length, length))
         drawn = Variations(one, body, strengths)
         held, stiffest = drawn([1.0] * drawn.count)
-        grips = tuple(_outwards(grip, ranges.grips) for grip in held.grips)
+        grips = tuple(outwards(grip, ranges.grips) for grip in held.grips)
         yield replace(held, grips=grips), parted(stiffest)[1]
 
 
-def _outwards(
-    grip: tuple[float, float], offsets: tuple[Range, Range] | None
-) -> tuple[float, float]:
+def outwards(grip: tuple[float, float], offsets: tuple[Range, Range] | None) -> tuple[float, float]:
     """A grip as far out as it may be drawn; one at the centre of mass stays there."""
     x, y = grip
     if offsets is None or not (x or y):

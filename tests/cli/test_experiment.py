@@ -13,7 +13,6 @@ from rich.console import Console
 from coopenv import cli
 from coopenv.agents import experiments
 from coopenv.agents.experiments import conduct, run
-from coopenv.cli import experiment
 from tests.agents.experiments.cases import TEXT, here, no_pictures, small
 
 
@@ -125,7 +124,7 @@ def test_a_report_of_nothing_is_refused(tmp_path, capsys):
 
 def test_on_a_terminal_a_bar_counts_cells_and_steps():
     console = Console(file=io.StringIO(), force_terminal=True, width=120)
-    with experiment._progress(console) as show:
+    with progress.bar(console) as show:
         show(done=30.0, total=120.0, cells=1, of=4)
     printed = console.file.getvalue()
     assert "1 of 4 cells" in printed

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coopenv import Body, Hands, Ranges, TransportConfig
-from coopenv.config.hands import _outwards
+from coopenv.config.hands import outwards
 from coopenv.errors import InvalidInput
 from coopenv.physics.hands import needed_substeps
 from tests.physics.held import Held
@@ -122,7 +122,7 @@ def test_agents_that_a_partner_drives_count_since_they_may_have_hands():
 
 def test_a_grip_is_drawn_outwards_on_both_axes_and_at_the_centre_stays():
     offsets = ((-0.1, 0.2), (-0.1, 0.3))
-    assert _outwards((0.5, 0.4), offsets) == pytest.approx((0.7, 0.7))
-    assert _outwards((-0.5, -0.4), offsets) == pytest.approx((-0.6, -0.5))
-    assert _outwards((0.0, 0.0), offsets) == (0.0, 0.0)
-    assert _outwards((0.5, 0.4), None) == (0.5, 0.4)
+    assert outwards((0.5, 0.4), offsets) == pytest.approx((0.7, 0.7))
+    assert outwards((-0.5, -0.4), offsets) == pytest.approx((-0.6, -0.5))
+    assert outwards((0.0, 0.0), offsets) == (0.0, 0.0)
+    assert outwards((0.5, 0.4), None) == (0.5, 0.4)

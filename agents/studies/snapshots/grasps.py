@@ -170,7 +170,7 @@ def digit_claims() -> list[Claim]:
                 text=f"{name}: the digit that only squeezes is said to lift: f_M,1 along f_o",
                 source="Fig. 6, numbers ours", measured=float((applied - internal)[0, 1]),
                 relation=">", bound=ZERO, unit="N",
-                why=f"{_beyond(internal):.3g} N outside the ball of eq. 9",
+                why=f"{beyond(internal):.3g} N outside the ball of eq. 9",
             )
             for name, internal in others.items()
         ),
@@ -190,7 +190,8 @@ def _near(text: str, measured: float, printed: float, within: float = PRINTED) -
     )  # fmt: skip
 
 
-def _beyond(internal: FloatArray) -> float:
+def beyond(internal: FloatArray) -> float:
+    """How far a split of the grasp lies outside the balls of eq. 9 [N]."""
     return float(residuals(examples.GRASP, internal, examples.DIGITS).force)
 
 

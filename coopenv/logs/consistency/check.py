@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from coopenv.logs.consistency.balance import Balance, Balancing
-from coopenv.logs.consistency.explanations import sentence
+from coopenv.logs.consistency.known_body.balance import Balance, Balancing
+from coopenv.logs.consistency.known_body.explanations import sentence
 from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
 from coopenv.logs.consistency.mistakes import (
     BAD,

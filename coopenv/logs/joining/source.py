@@ -77,7 +77,7 @@ class JoinedSource(Source):
             for name in stream.source.left_out
         ]
         several = len(self._streams) > 1 and not self._by_rows
-        self.owners = {name: c.stream.owner for name, c in self._place.items() if several}
+        self.owners = {name: c.stream.owner for name, c in self._names.items() if several}
         grips = [each.source.grips for each in self._streams if each.source.grips is not None]
         self.grips = grips[0] if grips else None
 

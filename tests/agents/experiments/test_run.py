@@ -16,7 +16,7 @@ pytest.importorskip("matplotlib")
 from coopenv.agents.experiments import conduct
 from coopenv.agents.experiments.cell import CELL, FAILURE, RESULT, Cell
 from coopenv.agents.experiments.run import WORK, run_cells
-from coopenv.agents.experiments.work import _tell, main, work
+from coopenv.agents.experiments.work import main, tell, work
 from coopenv.errors import InvalidInput, MissingPackage
 from tests.agents.experiments.cases import ENVIRONMENT, files, here, no_pictures, small
 
@@ -242,5 +242,5 @@ def test_what_a_worker_tells_is_read_at_once(monkeypatch):
             told.append(self.getvalue())
 
     monkeypatch.setattr(sys, "stdout", Pipe())
-    _tell({"done": 3})
+    tell({"done": 3})
     assert json.loads(told[-1]) == {"done": 3}

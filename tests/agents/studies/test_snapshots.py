@@ -90,8 +90,8 @@ def test_how_far_a_split_lies_outside_its_ball_is_that_of_the_ball():
     manipulation = examples.GRASP - internal
     out = np.linalg.norm((manipulation - examples.GRASP / 2)[:, :2], axis=-1)
     out -= np.linalg.norm(examples.GRASP[:, :2], axis=-1) / 2
-    assert grasps._beyond(internal) == pytest.approx(max(out.max(), 0.0), rel=1e-9)
-    assert grasps._beyond(internal) > 1.0
+    assert grasps.beyond(internal) == pytest.approx(max(out.max(), 0.0), rel=1e-9)
+    assert grasps.beyond(internal) > 1.0
 
 
 def test_the_picture_of_powers_has_the_band_and_the_velocity_of_its_claim(tmp_path, monkeypatch):

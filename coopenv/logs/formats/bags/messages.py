@@ -118,7 +118,6 @@ class _Messages(Chunk):
 
 
 @contextmanager
-@contextmanager
 def _bag(path: Path, limits: Limits | None = None) -> Iterator[Any]:
     """An open bag, which is checked where ``limits`` are given."""
     missing = MissingExtra("reading ROS bags", "ros")

@@ -7,7 +7,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.calibration.body import Body
-from coopenv.logs.consistency.known import Motion, Windows
+from coopenv.logs.consistency.known_body.known import Motion, Windows
 
 DELAYS = 0.3  # [s] the longest that are tried
 STILL = 0.02  # [m/s²] below which nothing is told

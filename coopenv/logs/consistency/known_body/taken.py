@@ -1,7 +1,7 @@
 """What a layout has taken off readings, as columns that may be fitted anew: tares and loads."""
 
 from coopenv.logs.calibration.sensor import Tare
-from coopenv.logs.consistency.corrected import Corrected, Key
+from coopenv.logs.consistency.known_body.corrected import Corrected, Key
 from coopenv.logs.layout import Layout
 
 

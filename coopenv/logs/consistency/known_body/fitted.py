@@ -6,9 +6,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.consistency.corrected import MOST_LOAD, Corrected
-from coopenv.logs.consistency.found import Explanation, are
-from coopenv.logs.consistency.taken import weights
+from coopenv.logs.consistency.known_body.corrected import MOST_LOAD, Corrected
+from coopenv.logs.consistency.known_body.found import Explanation, are
+from coopenv.logs.consistency.known_body.taken import weights
 from coopenv.logs.layout import Layout
 
 LEAST_TURN = np.radians(2.0)

@@ -11,14 +11,21 @@ from itertools import combinations, permutations, product
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.consistency.corrected import UNIT, Corrected
-from coopenv.logs.consistency.fitted import bias, center_of_mass, handle, offset, rotation, weight
-from coopenv.logs.consistency.found import Explanation, label
-from coopenv.logs.consistency.known import Motion, Windows
-from coopenv.logs.consistency.late import Times
-from coopenv.logs.consistency.misfit import Misfit
-from coopenv.logs.consistency.taken import constants, loads
-from coopenv.logs.consistency.units import other_units, units
+from coopenv.logs.consistency.known_body.corrected import UNIT, Corrected
+from coopenv.logs.consistency.known_body.fitted import (
+    bias,
+    center_of_mass,
+    handle,
+    offset,
+    rotation,
+    weight,
+)
+from coopenv.logs.consistency.known_body.found import Explanation, label
+from coopenv.logs.consistency.known_body.known import Motion, Windows
+from coopenv.logs.consistency.known_body.late import Times
+from coopenv.logs.consistency.known_body.misfit import Misfit
+from coopenv.logs.consistency.known_body.taken import constants, loads
+from coopenv.logs.consistency.known_body.units import other_units, units
 from coopenv.logs.layout import UNITS, Layout
 
 DOUBT = 0.0005  # share that is left, above which a mistake is looked for

@@ -6,9 +6,9 @@ from itertools import product
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.consistency.corrected import Corrected
-from coopenv.logs.consistency.found import Explanation
-from coopenv.logs.consistency.taken import weights
+from coopenv.logs.consistency.known_body.corrected import Corrected
+from coopenv.logs.consistency.known_body.found import Explanation
+from coopenv.logs.consistency.known_body.taken import weights
 from coopenv.logs.layout import UNITS, Layout
 
 NEAR = 0.03  # of a factor between two units

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.consistency.explanations import Explanation, explanations
-from coopenv.logs.consistency.known import Motion, Windows
-from coopenv.logs.consistency.late import Times
-from coopenv.logs.consistency.misfit import Misfit
+from coopenv.logs.consistency.known_body.explanations import Explanation, explanations
+from coopenv.logs.consistency.known_body.known import Motion, Windows
+from coopenv.logs.consistency.known_body.late import Times
+from coopenv.logs.consistency.known_body.misfit import Misfit
 from coopenv.logs.consistency.windows import Segments
 from coopenv.logs.layout import Layout
 from coopenv.logs.recorded import Recording

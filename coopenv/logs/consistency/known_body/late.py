@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from coopenv.logs.calibration.body import Body
-from coopenv.logs.consistency.found import Explanation, label
-from coopenv.logs.consistency.known import Motion
-from coopenv.logs.consistency.misfit import best_delay
+from coopenv.logs.consistency.known_body.found import Explanation, label
+from coopenv.logs.consistency.known_body.known import Motion
+from coopenv.logs.consistency.known_body.misfit import best_delay
 from coopenv.logs.formats.chunks import Owner
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import shown

@@ -11,9 +11,9 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.calibration.body import Body
-from coopenv.logs.consistency.found import sensors_named
-from coopenv.logs.consistency.known import Windows
-from coopenv.logs.consistency.misfit import Misfit
+from coopenv.logs.consistency.known_body.found import sensors_named
+from coopenv.logs.consistency.known_body.known import Windows
+from coopenv.logs.consistency.known_body.misfit import Misfit
 from coopenv.logs.recorded.devices import Devices
 from coopenv.wrench.grasp import cross
 
