@@ -22,7 +22,7 @@ class Export:
     common: Common = field(default_factory=Common)
     examples: ClassVar[tuple[str, ...]] = (
         "coopenv export runs/beam_transport/policy.zip --out carry.npz",
-        "coopenv evaluate carry.npz",
+        "coopenv export pretrained:BeamDoorway/joint --out doorway.npz",
     )
 
     def run(self) -> dict[str, Any]:

@@ -118,7 +118,7 @@ class Series:
         height, width, _ = canvas.pixels.shape
         canvas.fill((0, 0, width, height), PAGE)
         first, last = float(self._time[0]), float(self._time[-1])
-        ticks = ticks(0.0, last - first, MOST_STEPS)
+        ticks = round_numbers(0.0, last - first, MOST_STEPS)
         places = self._across(np.array(ticks) + first)
         for k, panel in enumerate(self._panels):
             top, bottom = self._tops[k], self._bottoms[k]
@@ -218,7 +218,7 @@ def _span_of(curves: FloatArray) -> tuple[float, float]:
     return 0.0, next(n * power for n in (1, 2, 5, 10) if n * power >= largest * (1 - 1e-9))
 
 
-def ticks(low: float, high: float, most: int) -> list[float]:
+def round_numbers(low: float, high: float, most: int) -> list[float]:
     """Round numbers from ``low`` to ``high``, at most that many steps."""
     if high <= low:
         return [low]

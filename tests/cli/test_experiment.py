@@ -13,6 +13,7 @@ from rich.console import Console
 from coopenv import cli
 from coopenv.agents import experiments
 from coopenv.agents.experiments import conduct, run
+from coopenv.cli.progress import bar_over
 from tests.agents.experiments.cases import TEXT, here, no_pictures, small
 
 
@@ -123,9 +124,10 @@ def test_a_report_of_nothing_is_refused(tmp_path, capsys):
 
 
 def test_on_a_terminal_a_bar_counts_cells_and_steps():
-    console = Console(file=io.StringIO(), force_terminal=True, width=120)
-    with progress.bar(console) as show:
+    text = io.StringIO()
+    console = Console(file=text, force_terminal=True, width=120)
+    with bar_over(console) as show:
         show(done=30.0, total=120.0, cells=1, of=4)
-    printed = console.file.getvalue()
+    printed = text.getvalue()
     assert "1 of 4 cells" in printed
     assert "25 %" in printed

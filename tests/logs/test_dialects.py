@@ -321,8 +321,8 @@ def test_parts_of_arrays_are_kept_whoever_asks_for_them(tmp_path):
     names = ("f1x", "f1y", "t1z")
     columns = {name: f"a:{k}" for k, name in enumerate(names)} | {"x": "b:0", "y": "b:1"}
     pose: Any = {"orientation": "euler", "columns": ["c:0", "c:1", "c:2"], "order": "ZYX"}
-    layout = Layout(grips=ONE, columns=columns, sample_rate=100.0, frame="world", pose=pose)
-    found = read(tmp_path / "a.npz", layout)
+    said: Any = {"columns": columns, "sample_rate": 100.0, "frame": "world", "angle": "deg"}
+    found = read(tmp_path / "a.npz", Layout(grips=ONE, pose=pose, **said))
     assert found.position is not None
     np.testing.assert_allclose(found.position, block[:, 3:5])
     source = open_source(tmp_path / "a.npz")

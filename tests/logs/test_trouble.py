@@ -46,7 +46,7 @@ def test_a_folder_is_no_recording(tmp_path, capsys):
     (tmp_path / "trials.csv").mkdir()
     for folder in (tmp_path, tmp_path / "trials.csv"):
         said = complaint(capsys, folder)
-        assert f"got the folder '{folder}'; name one in it" in said
+        assert f"got the folder '{folder}'; name a file in it" in said
 
 
 def test_names_that_the_system_refuses_are_named(tmp_path, capsys):

@@ -7,7 +7,7 @@ pytest.importorskip("pygame")
 
 from coopenv.errors import InvalidInput
 from coopenv.render.look import AGENTS, INTERNAL
-from coopenv.render.series import Panel, Series, measure_panels, ticks
+from coopenv.render.series import Panel, Series, measure_panels, round_numbers
 
 TIME = np.linspace(0.0, 2.0, 41)
 
@@ -76,5 +76,5 @@ def test_the_measures_have_a_panel_each_and_agents_their_colours():
 
 
 def test_round_numbers_stand_at_both_ends_of_a_scale():
-    assert ticks(0.0, 10.0, 5) == [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
-    assert ticks(-1.0, 1.0, 4) == [-1.0, -0.5, 0.0, 0.5, 1.0]
+    assert round_numbers(0.0, 10.0, 5) == [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
+    assert round_numbers(-1.0, 1.0, 4) == [-1.0, -0.5, 0.0, 0.5, 1.0]

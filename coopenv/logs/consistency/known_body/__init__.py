@@ -1,4 +1,4 @@
-"""A body whose mass and inertia are known: whether it moves as the wrenches say, and what is wrong."""
+"""A body of known mass and inertia: whether it moves as the wrenches say, and what is wrong."""
 
 from coopenv.logs.consistency.known_body.balance import Balance
 
