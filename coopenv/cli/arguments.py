@@ -42,10 +42,10 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
             else "train"
         )
         raise MissingExtra("the command line", extra) from error
-    file = _from_file(arguments, commands)
+    before = _default(arguments, commands)
     kinds: list[Any] = []
     for name, kind in commands.items():
-        default = {"default": file} if type(file) is kind else {}
+        default = {"default": before} if type(before) is kind else {}
         kinds.append(Annotated[kind, tyro.conf.subcommand(name, **default)])
     explained = io.StringIO()
     try:
@@ -61,7 +61,7 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
                     tyro.conf.PositionalRequiredArgs,
                 ),
             )
-        return command if file is None else command.over(file)
+        return command if before is None else command.over(before)
     except SystemExit as stopped:
         for error in _causes(stopped):
             if isinstance(error, CoopenvError):  # in our words, without those of the reader
@@ -72,15 +72,28 @@ def read(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
         raise
 
 
-def _from_file(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
-    """The command with the options of the file that ``--config`` names; None without it."""
-    configured = getattr(commands.get(next(iter(arguments), "")), "configured", None)
-    path = None
+def _default(arguments: Sequence[str], commands: Mapping[str, type]) -> Any:
+    """The command as it is where nothing is given, of a file or of an id; None if it is always so.
+
+    With the options of the file that ``--config`` names, and what suits the id that ``--env`` does.
+    """
+    kind = commands.get(next(iter(arguments), ""))
+    path, env = _value_of("--config", arguments), _value_of("--env", arguments)
+    configured, suited = getattr(kind, "configured", None), getattr(kind, "suited", None)
+    if configured is not None and path:
+        beside = {"env": env} if suited is not None and env else {}
+        return configured(Path(path), _trusted(arguments), **beside)
+    return suited(env) if suited is not None and env else None
+
+
+def _value_of(wanted: str, arguments: Sequence[str]) -> str | None:
+    """What an option is given, the last time if several."""
+    found = None
     for option, following in pairwise([*arguments, ""]):
         name, equals, value = option.partition("=")
-        if name == "--config":
-            path = value if equals else following
-    return configured(Path(path), _trusted(arguments)) if configured is not None and path else None
+        if name == wanted:
+            found = value if equals else following
+    return found
 
 
 def _trusted(arguments: Sequence[str]) -> Trust:

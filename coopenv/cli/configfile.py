@@ -15,6 +15,7 @@ from coopenv.agents.differences import differences
 from coopenv.agents.overrides import GROUPS, entries_of
 from coopenv.agents.provenance import Provenance, versions
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
+from coopenv.agents.training.presets import preset
 from coopenv.config.own_code import Trust
 from coopenv.envs.registry import require_trusted
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
@@ -66,8 +67,12 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     return content
 
 
-def training(path: Path, trust: Trust = False) -> dict[str, Any]:
-    """Options of ``coopenv train`` in a file, as its fields."""
+def training(path: Path, trust: Trust = False, env: str | None = None) -> dict[str, Any]:
+    """Options of ``coopenv train`` in a file, as its fields.
+
+    Settings that the file does not name are the preset of ``env``, or if that is ``None`` of the
+    file's id.
+    """
     content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
     values["environment"] = environment(content["environment"], EnvironmentChoice())
@@ -78,7 +83,8 @@ def training(path: Path, trust: Trust = False) -> dict[str, Any]:
     comparison = {name: content[name] for name in COMPARISON if name in content}
     if not isinstance(comparison.get("gif", True), bool):
         raise InvalidInput(f"gif must be true or false, got {comparison['gif']!r}; write one")
-    return {"training": TrainConfig(**values), **comparison}
+    settings = {**preset(env or values["environment"].env), **values}
+    return {"training": TrainConfig(**settings), **comparison}
 
 
 def evaluation(path: Path, start: EnvironmentChoice, trust: Trust = False) -> dict[str, Any]:
