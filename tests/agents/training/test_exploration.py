@@ -31,7 +31,7 @@ def spread_of(model: Any) -> np.ndarray:
 def test_the_largest_spread_falls_by_the_same_factor_in_every_step_and_stays_at_the_end():
     config = TrainConfig(initial_std=0.8, final_std=0.2)
     found = [largest_std(config, done) for done in (0.0, 0.5, 1.0, 1.1)]
-    np.testing.assert_allclose(found, [0.8, 0.4, 0.2, 0.2])
+    assert found == pytest.approx([0.8, 0.4, 0.2, 0.2])
 
 
 def test_by_default_no_spread_is_the_largest():
