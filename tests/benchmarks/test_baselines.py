@@ -72,9 +72,7 @@ def test_a_run_is_trained_tested_saved_and_not_asked_for_again(tmp_path, monkeyp
     assert run.seconds > 0
     assert baselines.run_all(baselines.Baselines(), told.append) == [run]
     assert len(told) == 1
-    other = replace(
-        config, epochs=2, fresh=True
-    )  # another setting: it is trained anew, in its place
+    other = replace(config, epochs=2, fresh=True)  # trained anew, in the place of the first
     monkeypatch.setattr(baselines, "planned", lambda asked: [("BeamTransport", other)])
     (again,) = baselines.run_all(baselines.Baselines(), told.append)
     assert again.settings["epochs"] == 2
