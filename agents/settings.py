@@ -31,7 +31,6 @@ MOST = {  # beyond, a network's numbers overflow or worlds share seeds
 
 NOTED = ("provenance",)  # entries of config.json that others write beside the settings
 UNSAVED = ("fresh",)  # said for one call, and never taken from a file: it removes a run
-LATER = ("staggered", "final_std")  # not in files of before; their defaults are what was then
 
 
 try:
@@ -170,9 +169,6 @@ class TrainConfig:
     """Worlds stepped together."""
     rollout: int = 32
     """Control steps of each world between two updates."""
-    staggered: bool = False
-    """Whether the worlds' first episodes end one after the other instead of all together, so that
-    every update sees all parts of an episode; of use where it lasts for many rollouts."""
     batch_size: int = 2048
     """Samples in a gradient step."""
     epochs: int = 5
@@ -190,9 +186,6 @@ class TrainConfig:
     """Reward for randomness [reward / nat]."""
     initial_std: float = 0.6
     """Spread of the first actions, in units of the limits."""
-    final_std: float | None = None
-    """Largest spread of the last actions, in units of the limits: the largest one goes from
-    initial_std to it, by the same factor in every step. None: it is what is learned."""
     hidden: tuple[int, ...] = (64, 64)
     """Layers of the policy's and of the value's network."""
     threads: int = 1
@@ -210,16 +203,11 @@ class TrainConfig:
             whole(getattr(self, name), name, at_least=1)
         whole(self.batch_size, "batch_size", at_least=2)  # advantages are normalised in it
         whole(self.seed, "seed", at_least=0)
-        for name in ("fresh", "staggered"):
-            if not isinstance(getattr(self, name), bool):  # else it is true or false by accident
-                raise InvalidInput(
-                    f"{name} must be True or False, got {getattr(self, name)!r}; give one of them"
-                )
+        if not isinstance(self.fresh, bool):  # anything else is true or false by accident
+            raise InvalidInput(f"fresh must be True or False, got {self.fresh!r}; give one of them")
         _check_numbers(self)
         for name in ("learning_rate", "clip_range", "initial_std"):
             positive(getattr(self, name), name)
-        if self.final_std is not None:
-            positive(self.final_std, "final_std")
         if isinstance(self.environment, dict):  # as JSON brings it back
             _set = object.__setattr__
             _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))

@@ -17,11 +17,9 @@ from .seeds import BLOCK, training_seeds
 from .settings import EnvironmentChoice, TrainConfig
 from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
 from .training.events import told_once
-from .training.exploration import largest_std, narrow
 from .training.folder import LOG, SETTINGS, clear, require_room
 from .training.hyperparameters import feature_scale, ppo_settings
 from .training.progress import Progress, Watch
-from .training.stagger import stagger
 from .training.target import Reached, Target
 from .training.threads import torch_threads
 
@@ -135,9 +133,6 @@ def _learn(
     target = None if config.until is None else Target(config.until, venv.transport.config)
 
     def begin(model: BaseAlgorithm) -> None:
-        narrow(model, largest_std(config, progress.steps / config.steps))
-        if config.staggered and not progress.steps:
-            stagger(venv)
         keeper.begin_rollout(model)
         if target is not None:
             target.check(model, progress)

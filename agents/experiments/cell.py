@@ -14,7 +14,7 @@ from coopenv.errors import InvalidInput
 from coopenv.files import reading, written
 
 from ..differences import differences
-from ..settings import LATER, TrainConfig
+from ..settings import TrainConfig
 from .levels import LEARNER
 from .revision import revision
 
@@ -60,11 +60,8 @@ class Cell:
 
     def identity(self) -> dict[str, Any]:
         """What a result depends on, as JSON has it."""
-        kept = {
-            name: value
-            for name, value in self.training.to_dict().items()
-            if name not in NO_PART and not (name in LATER and not value)
-        }
+        training = self.training.to_dict()
+        kept = {name: value for name, value in training.items() if name not in NO_PART}
         return {
             "levels": dict(self.levels),
             "seed": self.seed,

@@ -31,6 +31,7 @@ from coopenv.files import written
 
 FOLDER, PAGE = DOCS / "training" / "baselines", DOCS / "training.md"
 EPISODES = 500  # held-out ones of each policy
+NONE = "None of these runs is finished yet."  # in the place of a table without rows
 LEVELS = (0.9, 0.98)  # success rates of the exploring policy whose time is told
 COLUMNS = (
     *("environment", "policy", "seed", "success", "sampled", "time [s]", "γ"),
@@ -184,8 +185,8 @@ def placed(runs: Sequence[Run]) -> list[Run]:
 
 
 def table(runs: Sequence[Run]) -> str:
-    """One row a run."""
-    return markdown(COLUMNS, [row(run) for run in placed(runs)])
+    """One row a run; a sentence where there is none."""
+    return markdown(COLUMNS, [row(run) for run in placed(runs)]) if runs else NONE
 
 
 def row(run: Run) -> tuple[str, ...]:

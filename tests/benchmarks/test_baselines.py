@@ -8,15 +8,34 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("tyro")
 
 from benchmarks.learning import baselines
-from benchmarks.pages import cells
+from benchmarks.pages import filled
 from tests.agents.training.cases import tiny
+
+COMMON = {
+    "env": "BeamLift",
+    "control": "joint",
+    "settings": {"steps": 5, "hidden": [8]},
+    "steps": 5,
+    "seconds": 1.5,
+    "reached": (0.5, None),
+    "success": 0.5,
+    "sampled": 0.25,
+    "time": None,
+    "relative_cost": 0.125,
+}
 
 
 def test_the_page_shows_every_run_that_was_saved():
-    runs = baselines.saved()
-    header, *rows = cells(baselines.PAGE, "baselines")
-    assert tuple(header) == baselines.COLUMNS
-    assert rows == [list(row) for row in map(baselines.row, baselines.placed(runs))]
+    shown = filled(baselines.PAGE, {"baselines": baselines.table(baselines.saved())})
+    assert shown == baselines.PAGE.read_text(encoding="utf-8")
+
+
+def test_a_table_has_a_row_a_run_and_without_runs_there_is_none():
+    second, first = (baselines.Run(seed=seed, **COMMON) for seed in (1, 0))
+    header, _, *rows = baselines.table([second, first]).splitlines()
+    assert header.split(" | ")[2] == "seed"
+    assert [line.split(" | ")[2] for line in rows] == ["0", "1"]
+    assert baselines.table([]) == "None of these runs is finished yet."
 
 
 def test_every_run_has_the_settings_that_the_command_has_today():
@@ -28,20 +47,8 @@ def test_every_run_has_the_settings_that_the_command_has_today():
 
 def test_runs_come_back_as_they_were_saved_by_seed_and_the_newest_of_each(tmp_path, monkeypatch):
     monkeypatch.setattr(baselines, "FOLDER", tmp_path)
-    common = {
-        "env": "BeamLift",
-        "control": "joint",
-        "settings": {"steps": 5, "hidden": [8]},
-        "steps": 5,
-        "seconds": 1.5,
-        "reached": (0.5, None),
-        "success": 0.5,
-        "sampled": 0.25,
-        "time": None,
-        "relative_cost": 0.125,
-    }
-    last, first = (baselines.Run(seed=seed, **common) for seed in (3, 1))
-    again = baselines.Run(seed=3, **{**common, "success": 1.0})
+    last, first = (baselines.Run(seed=seed, **COMMON) for seed in (3, 1))
+    again = baselines.Run(seed=3, **{**COMMON, "success": 1.0})
     for run in (last, first, again):
         baselines.save(run)
     assert baselines.saved() == [first, again]

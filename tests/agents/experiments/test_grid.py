@@ -81,14 +81,6 @@ def test_what_a_result_depends_on_changes_the_mark_of_a_cell_and_nothing_else_do
         assert changed.digest() != cell.digest()
 
 
-def test_settings_that_came_later_leave_the_marks_of_cells_of_before(tmp_path):
-    (cell,) = small(tmp_path, grid={}, seeds=1).cells()
-    for name, value in (("staggered", True), ("final_std", 0.1)):
-        assert name not in cell.identity()["training"]
-        other = replace(cell, training=replace(cell.training, **{name: value}))
-        assert other.identity()["training"][name] == value
-
-
 def test_a_level_may_need_one_of_another_axis(tmp_path):
     """The energy of hands cannot be priced where there are none."""
     grid = {"reward": {"stored": {"terms": {"e": {"kind": "StoredEnergy"}}}}, "action": ["motion"]}
