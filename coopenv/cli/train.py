@@ -11,6 +11,7 @@ from typing_extensions import Self
 
 from coopenv.agents.seeds import evaluation_seeds
 from coopenv.agents.settings import TrainConfig
+from coopenv.agents.training.presets import train_config
 from coopenv.arrays import whole
 from coopenv.cli.environments import Environment
 from coopenv.cli.options import runfile
@@ -51,9 +52,17 @@ class Train:
     )
 
     @classmethod
-    def configured(cls, path: Path, trust: Trust = False) -> Self:
-        """The command with the options of a file, which may import the modules that are trusted."""
-        return cls(**runfile.training(path, trust))
+    def suited(cls, env: str) -> Self:
+        """The command with the settings that an environment's id has."""
+        return cls(training=train_config(env))
+
+    @classmethod
+    def configured(cls, path: Path, trust: Trust = False, env: str | None = None) -> Self:
+        """The command with the options of a file, which may import the modules that are trusted.
+
+        What the file does not say is as ``env`` has it, or if that is ``None`` the file's id.
+        """
+        return cls(**runfile.training(path, trust, env))
 
     def __post_init__(self) -> None:
         evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))

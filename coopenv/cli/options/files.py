@@ -22,8 +22,10 @@ TABLE = "environment"  # of a file: what says which environment it is
 NOT_IN_FILES = ("config", "trust")  # what a file cannot say
 
 
-def from_file(arguments: Sequence[str], commands: Mapping[str, type], missing: Any) -> Any:
-    """The command with the options of the file that ``--config`` names; None without it.
+def before(arguments: Sequence[str], commands: Mapping[str, type], missing: Any) -> Any:
+    """The command as it is before options are given; None if it is always so.
+
+    With the options of the file that ``--config`` names, and what suits the id that ``--env`` does.
 
     Parameters
     ----------
@@ -40,13 +42,17 @@ def from_file(arguments: Sequence[str], commands: Mapping[str, type], missing: A
         If the file cannot be read, a name is not known or a value breaks its rule.
     """
     kind = commands.get(next(iter(arguments), ""))
-    path = _named(arguments)
-    if kind is None or path is None:
+    if kind is None:
         return None
-    trust = trusted(arguments)
+    config, env = _value_of("--config", arguments), _value_of("--env", arguments)
+    suited = getattr(kind, "suited", None)
+    if not config:
+        return suited(env) if suited is not None and env else None
+    path, trust = Path(config), trusted(arguments)
     own = getattr(kind, "configured", None)  # a form of its own
     if own is not None:
-        return own(path, trust)
+        beside = {"env": env} if suited is not None and env else {}
+        return own(path, trust, **beside)
     below = parts(kind)
     chosen = below.get(next(iter(arguments[1:]), "")) if below else kind
     if chosen is None or "config" not in options(chosen):
@@ -100,14 +106,14 @@ def trusted(arguments: Sequence[str]) -> Trust:
     return named
 
 
-def _named(arguments: Sequence[str]) -> Path | None:
-    """The file of the last ``--config``."""
-    path = None
+def _value_of(wanted: str, arguments: Sequence[str]) -> str | None:
+    """What an option is given, the last time if several."""
+    found = None
     for option, following in pairwise([*arguments, ""]):
         name, equals, value = option.partition("=")
-        if name == "--config":
-            path = value if equals else following
-    return Path(path) if path else None
+        if name == wanted:
+            found = value if equals else following
+    return found
 
 
 def _entries(kind: type) -> list[tuple[Field[Any], Any]]:

@@ -44,12 +44,12 @@ def read(
         print(page_of_program(PROGRAM, commands, groups or {"commands": tuple(commands)}))
         raise SystemExit(0)
     tyro = _tyro(arguments)
-    file = files.from_file(arguments, commands, tyro.MISSING)
+    default = files.before(arguments, commands, tyro.MISSING)
     explained, told = io.StringIO(), Caught(sys.stdout)
     try:
         with redirect_stderr(explained), redirect_stdout(told):
-            command = _parsed(tyro, arguments, commands, file)
-        return command if file is None else files.over(command, file)
+            command = _parsed(tyro, arguments, commands, default)
+        return command if default is None else files.over(command, default)
     except SystemExit as stopped:
         for error in _causes(stopped):
             if isinstance(error, CoopenvError):  # in our words, without those of the reader
@@ -73,12 +73,12 @@ def completion(shell: str, commands: Mapping[str, type]) -> str:
     raise AssertionError("no script was printed")
 
 
-def _parsed(tyro: Any, arguments: Sequence[str], commands: Mapping[str, type], file: Any) -> Any:
-    """What tyro makes of the arguments; where the command is that of a file, over the file."""
+def _parsed(tyro: Any, arguments: Sequence[str], commands: Mapping[str, type], default: Any) -> Any:
+    """What tyro makes of the arguments, over ``default`` where it is of their command."""
     kinds: list[Any] = []
     for name, kind in commands.items():
-        default = {"default": file} if type(file) is kind else {}
-        kinds.append(Annotated[kind, tyro.conf.subcommand(name, **default)])
+        own = {"default": default} if type(default) is kind else {}
+        kinds.append(Annotated[kind, tyro.conf.subcommand(name, **own)])
     return tyro.cli(
         Union[tuple(kinds)],  # pyright: ignore[reportArgumentType]  # noqa: UP007
         prog=PROGRAM,

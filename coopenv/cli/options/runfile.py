@@ -13,6 +13,7 @@ from typing import Any
 from coopenv.agents.differences import differences
 from coopenv.agents.provenance import Provenance, versions
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
+from coopenv.agents.training.presets import preset
 from coopenv.cli.options.content import (
     PLACES,
     TRAINING,
@@ -60,8 +61,12 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     return content
 
 
-def training(path: Path, trust: Trust = False) -> dict[str, Any]:
-    """Options of ``coopenv train`` in a file, as its fields."""
+def training(path: Path, trust: Trust = False, env: str | None = None) -> dict[str, Any]:
+    """Options of ``coopenv train`` in a file, as its fields.
+
+    Settings that the file does not name are the preset of ``env``, or if that is ``None`` of the
+    file's id.
+    """
     content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
     values["environment"] = environment(content["environment"], EnvironmentChoice())
@@ -72,7 +77,8 @@ def training(path: Path, trust: Trust = False) -> dict[str, Any]:
     comparison = {name: content[name] for name in COMPARISON if name in content}
     if not isinstance(comparison.get("gif", True), bool):
         raise InvalidInput(f"gif must be true or false, got {comparison['gif']!r}; write one")
-    return {"training": TrainConfig(**values), **comparison}
+    settings = {**preset(env or values["environment"].env), **values}
+    return {"training": TrainConfig(**settings), **comparison}
 
 
 def evaluation(path: Path, start: EnvironmentChoice, trust: Trust = False) -> dict[str, Any]:

@@ -1,0 +1,83 @@
+"""Settings that each environment's id has, and who wins over them."""
+
+from dataclasses import fields
+
+import gymnasium
+import pytest
+
+pytest.importorskip("tyro")
+
+from coopenv.cli.arguments import read
+
+from coopenv import cli
+from coopenv.agents.settings import EnvironmentChoice, TrainConfig
+from coopenv.agents.training.presets import PRESETS, preset, train_config
+from coopenv.envs.registry import PREFIX
+
+DOORWAY = "coopenv/BeamDoorway-v0"
+MINE = preset(DOORWAY)
+
+
+def trained(*arguments: object) -> TrainConfig:
+    command = read(["train", *map(str, arguments)], cli.COMMANDS)
+    return command.training
+
+
+def test_presets_are_of_our_ids_and_change_settings_of_a_training():
+    ids = {name for name in gymnasium.registry if name.startswith(PREFIX)}
+    known = {entry.name for entry in fields(TrainConfig)}
+    known -= {"environment", "control", "seed", "out"}
+    assert set(PRESETS) <= ids
+    for env, given in PRESETS.items():
+        assert given, env
+        assert set(given) <= known
+        default = TrainConfig()
+        assert all(getattr(default, name) != value for name, value in given.items()), env
+
+
+def test_a_run_has_what_is_given_and_the_rest_of_its_id():
+    config = train_config(EnvironmentChoice(env=DOORWAY, horizon=70), seed=3, epochs=2)
+    assert config.environment.config().horizon == 70
+    assert "epochs" in MINE
+    for name, value in {**MINE, "epochs": 2, "seed": 3}.items():
+        assert getattr(config, name) == value
+
+
+def test_an_id_of_ones_own_has_the_defaults():
+    assert preset("mine/Beam-v0") == {}
+    assert preset(f"package.module:{DOORWAY}") == MINE
+
+
+@pytest.mark.parametrize("arguments", [("--env", DOORWAY), (f"--env={DOORWAY}",)])
+def test_the_command_takes_the_settings_of_its_id(arguments):
+    config = trained(*arguments)
+    assert config.environment.env == DOORWAY
+    assert config == train_config(DOORWAY)
+    assert config != TrainConfig(environment=config.environment)
+
+
+def test_options_win_over_the_settings_of_the_id():
+    config = trained("--env", DOORWAY, "--steps", 12_345, "--body", "mass=5")
+    assert config.steps == 12_345
+    assert config.environment.body == ("mass=5",)
+
+
+def test_a_file_wins_over_the_settings_of_its_id(tmp_path):
+    file = tmp_path / "run.toml"
+    file.write_text(f'steps = 12345\n[environment]\nenv = "{DOORWAY}"\n')
+    assert trained("--config", file) == train_config(DOORWAY, steps=12_345)
+
+
+def test_the_id_of_the_command_line_counts_where_the_file_has_another(tmp_path):
+    file = tmp_path / "run.toml"
+    file.write_text("seed = 7\n")
+    assert trained("--config", file, "--env", DOORWAY) == train_config(DOORWAY, seed=7)
+    assert trained("--config", file) == TrainConfig(seed=7)
+
+
+def test_a_finished_run_is_taken_with_the_settings_that_it_had(tmp_path):
+    """A run of before the presets has settings of its own, all of them in its file."""
+    file = tmp_path / "config.json"
+    before = TrainConfig(environment=EnvironmentChoice(env=DOORWAY))
+    before.save(file)
+    assert trained("--config", file) == before

@@ -1,0 +1,88 @@
+"""Baselines of every environment: the page shows all runs, with the settings of today."""
+
+from dataclasses import replace
+
+import pytest
+
+pytest.importorskip("stable_baselines3")
+pytest.importorskip("tyro")
+
+from benchmarks.learning import baselines
+from benchmarks.pages import filled
+from tests.agents.training.cases import tiny
+
+COMMON = {
+    "env": "BeamLift",
+    "control": "joint",
+    "settings": {"steps": 5, "hidden": [8]},
+    "steps": 5,
+    "seconds": 1.5,
+    "reached": (0.5, None),
+    "success": 0.5,
+    "sampled": 0.25,
+    "time": None,
+    "relative_cost": 0.125,
+}
+
+
+def test_the_page_shows_every_run_that_was_saved():
+    shown = filled(baselines.PAGE, {"baselines": baselines.table(baselines.saved())})
+    assert shown == baselines.PAGE.read_text(encoding="utf-8")
+
+
+def test_a_table_has_a_row_a_run_and_without_runs_there_is_none():
+    second, first = (baselines.Run(seed=seed, **COMMON) for seed in (1, 0))
+    header, _, *rows = baselines.table([second, first]).splitlines()
+    assert header.split(" | ")[2] == "seed"
+    assert [line.split(" | ")[2] for line in rows] == ["0", "1"]
+    assert baselines.table([]) == "None of these runs is finished yet."
+
+
+def test_every_run_has_the_settings_that_the_command_has_today():
+    planned = list(baselines.planned(baselines.Baselines()))
+    assert len(planned) == 2 * 5 * len(baselines.names())
+    for run in baselines.saved():
+        assert any(baselines.is_of(run, env, config) for env, config in planned), run
+
+
+def test_runs_come_back_as_they_were_saved_by_seed_and_the_newest_of_each(tmp_path, monkeypatch):
+    monkeypatch.setattr(baselines, "FOLDER", tmp_path)
+    last, first = (baselines.Run(seed=seed, **COMMON) for seed in (3, 1))
+    again = baselines.Run(seed=3, **{**COMMON, "success": 1.0})
+    for run in (last, first, again):
+        baselines.save(run)
+    assert baselines.saved() == [first, again]
+    assert baselines.row(first)[-2:] == ("0", "–")  # [s] until 90 % and 98 %
+
+
+def test_a_level_is_reached_when_the_curve_first_is_there():
+    curve = [(float(at), {"steps": at, "success": s}) for at, s in enumerate((1.0, 0.9, 0.5, 1.0))]
+    assert baselines.reached(curve, 0.9, 0) == 0.0
+    assert baselines.reached(curve[:3], 0.98, 1) is None
+    assert baselines.reached([(0.5, {"steps": 1})], 0.9, 0) is None  # no episode has ended
+
+
+def test_episodes_that_ended_first_because_they_were_short_reach_nothing():
+    curve = [(float(at), {"steps": at, "success": s}) for at, s in enumerate((1.0, 0.9, 0.5, 1.0))]
+    assert baselines.reached(curve, 0.9, 1) == 1.0
+    assert baselines.reached(curve, 0.98, 1) == 3.0
+
+
+def test_a_run_is_trained_tested_saved_and_not_asked_for_again(tmp_path, monkeypatch):
+    config = tiny(tmp_path / "run", seed=2)
+    told = []
+    monkeypatch.setattr(baselines, "FOLDER", tmp_path / "kept")
+    monkeypatch.setattr(baselines, "EPISODES", 4)
+    monkeypatch.setattr(baselines, "planned", lambda asked: [("BeamTransport", config)])
+    (run,) = baselines.run_all(baselines.Baselines(), told.append)
+    assert (run.steps, run.seed, run.success, run.reached) == (128, 2, 0.0, (None, None))
+    assert run.seconds > 0
+    assert baselines.run_all(baselines.Baselines(), told.append) == [run]
+    assert len(told) == 1
+    other = replace(config, epochs=2, fresh=True)  # trained anew, in the place of the first
+    monkeypatch.setattr(baselines, "planned", lambda asked: [("BeamTransport", other)])
+    (again,) = baselines.run_all(baselines.Baselines(), told.append)
+    assert again.settings["epochs"] == 2
+    monkeypatch.setattr(baselines, "planned", lambda asked: [("BeamTransport", config)])
+    assert baselines.run_all(baselines.Baselines(minutes=0.0), told.append) == [again]
+    assert told[-1] == "the budget is spent; the same command goes on"
