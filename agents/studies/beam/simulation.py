@@ -134,7 +134,7 @@ def simulate(config: BeamConfig | None = None) -> BeamRun:
         after = core.transition
         assert after is not None
         applied[step], poses[step] = after.applied, after.next_state.pose
-        twists[step] = _object_twist(before, after.next_state)
+        twists[step] = object_twist(before, after.next_state)
 
     def split(recorded: FloatArray) -> FloatArray:
         shape = (steps, len(config.inertias), len(MOTIONS), *recorded.shape[2:])
@@ -258,7 +258,7 @@ def _out_of_the_way(core: Transport) -> FloatArray:
     return np.tile([-4.0, -4.0, 0.0], (core.num_worlds, 1))
 
 
-def _object_twist(before, after) -> FloatArray:
+def object_twist(before, after) -> FloatArray:
     """Mean twist over a step in the object frame at its middle ``(world, 3)``."""
     twist = (before.twist + after.twist) / 2
     turn = frames.wrapped(after.pose[:, 2] - before.pose[:, 2])

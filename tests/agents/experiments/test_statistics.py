@@ -121,3 +121,8 @@ def test_a_confidence_beyond_its_range_is_refused(confidence):
 def test_different_problems_are_not_compared():
     with pytest.raises(InvalidInput, match="same problems"):
         probability_of_improvement(X, Y[:1])
+
+
+def test_the_optimality_gap_of_a_curve_is_that_of_each_of_its_points():
+    curve = np.array([[0.0, 0.5], [1.0, 2.0], [0.5, 0.5]])  # (point, run)
+    np.testing.assert_allclose(optimality_gap([curve]), [0.75, 0.0, 0.5])

@@ -15,7 +15,7 @@ import torch
 from coopenv import TransportConfig
 from coopenv.agents import sb3
 from coopenv.agents.evaluate import run_episodes
-from coopenv.agents.trained.spaces import NotPlain, plain_space, space_of
+from coopenv.agents.trained.spaces import NotPlain, plain_space, space_of, spaces_of
 from coopenv.errors import InvalidInput
 from tests.agents.learned.cases import OFF_POLICY, ON_POLICY
 from tests.helpers import EASY
@@ -79,3 +79,10 @@ def test_spaces_of_pushes_go_through_json_and_others_do_not():
     for given in ({"pushes": 10**9}, {"pushes": 3, "agents": 10**9}, {"pushes": 0}):
         with pytest.raises(ValueError, match="a space of"):
             space_of(given)
+
+
+def test_one_agent_of_its_own_has_a_row_of_one_push():
+    seen = gymnasium.spaces.Box(-1.0, 1.0, (4,))
+    for done in (gymnasium.spaces.MultiDiscrete([7]), gymnasium.spaces.Discrete(7)):
+        made = spaces_of(seen, done, "PPO")
+        assert (made.pushes, made.actions) == (7, 1)

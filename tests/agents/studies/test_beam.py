@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -151,3 +152,11 @@ def test_the_series_are_what_was_recorded(tmp_path, run, by_method):
 def test_a_bad_configuration_is_refused(values, message):
     with pytest.raises(InvalidInput, match=message):
         BeamConfig(**values)
+
+
+def test_a_twist_is_told_in_the_object_frame_at_the_middle_of_its_step():
+    before = SimpleNamespace(pose=np.array([[0.0, 0.0, 3.0]]), twist=np.array([[1.0, 0.0, 0.4]]))
+    after = SimpleNamespace(pose=np.array([[0.0, 0.0, -3.0]]), twist=np.array([[1.0, 0.0, 0.4]]))
+    angle = np.pi  # half of the way from 3 on to 2 pi - 3
+    expected = [[np.cos(angle), -np.sin(angle), 0.4]]
+    np.testing.assert_allclose(simulation.object_twist(before, after), expected, atol=1e-12)

@@ -45,6 +45,7 @@ def _read(*path: Any, **said: Any) -> Any:
         ("[sensors.1.tare]\nfirst = 1\nfile = 'a.npz'", "tare must have one of first, rests and"),
         ("[sensors.1.tare]\nfirst = -1", "sensors.1.tare.first must be positive, got -1"),
         ("[sensors.1.tare]\nrests = [[1, 0]]", "sensors.1.tare.rests must be one or two rests"),
+        ("[sensors.1.tare]\nrests = [[0, 1], [0.5, 2]]", "tare.rests must be one or two rests"),
         ("[sensors.1.tare]\nrests = [[50, 60]]", "sensors.1.tare must be a rest with good rows"),
         ("[sensors.1.tare]\nfile = 'no.npz'", "no.npz"),
         ("[sensors.1]\ncross_talk = [[1, 0], [0, 1]]", "cross_talk must be a matrix of 3 by 3 or"),

@@ -121,3 +121,9 @@ def test_a_density_needs_spread_and_a_step_that_divides_one():
         LoadDensity.of(*uniform(5), step=0.3)
     with pytest.raises(InvalidInput, match="negative"):
         LoadDensity.of(*uniform(2), weights=[1, 1, -1, 1])
+
+
+@pytest.mark.parametrize("share", [[-0.1, 0.5, 1.0], [0.0, 0.5, 1.1]])
+def test_one_share_outside_of_0_to_1_is_refused(share):
+    with pytest.raises(InvalidInput, match=r"must lie in \[0, 1\]"):
+        Quadrants.of([0.2, 0.5, 0.8], share)
