@@ -245,7 +245,7 @@ def test_settings_beyond_the_colours_have_marks_of_their_own(tmp_path, monkeypat
     drawn = []
     monkeypatch.setattr(pictures, "_save", lambda figure, path: drawn.append(figure))
     some = Estimate(value=1.0, low=0.5, high=1.5)
-    found = {
+    found: Any = {
         f"setting {n}": dict.fromkeys(("success_time", "wasted_cost", "success_rate"), some)
         for n in range(12)
     }

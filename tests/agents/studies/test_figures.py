@@ -90,6 +90,7 @@ def test_a_legend_stands_beside_its_panel_without_a_frame():
     axes.plot([0, 1], [0, 1], label="γ")
     figures.legend_beside(axes)
     legend = axes.get_legend()
+    assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["γ"]
     assert not legend.get_frame_on()
     bare = Figure().subplots()

@@ -7,11 +7,10 @@ import pytest
 
 pytest.importorskip("tyro")
 
-from coopenv.cli.arguments import read
-
 from coopenv import cli
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.training.presets import PRESETS, preset, train_config
+from coopenv.cli.options.reading import read
 from coopenv.envs.registry import PREFIX
 
 DOORWAY = "coopenv/BeamDoorway-v0"
