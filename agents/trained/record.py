@@ -86,12 +86,28 @@ def _check_world(environment: Mapping[str, Any], config: TransportConfig) -> Non
             "or train another policy"
         )
     for name, unit in (("force_limit", "N"), ("torque_limit", "N·m")):
-        trained, now = environment.get(name), getattr(config, name)
-        if isinstance(trained, int | float) and trained != now:
+        trained, now = _limits(environment.get(name)), _limits(getattr(config, name))
+        most = max(len(trained), len(now))
+        if trained and _each(trained, most) != _each(now, most):
             raise InvalidInput(
-                f"{name} must be the {trained:g} {unit} that the policy's actions of 1 stood for "
-                f"in its training, got {now:g} {unit}; leave it as its file records it"
+                f"{name} must be the {_listed(trained)} {unit} that the policy's actions of 1 "
+                f"stood for in its training, got {_listed(now)} {unit}; leave it as its file "
+                "records it"
             )
+
+
+def _limits(said: Any) -> tuple[float, ...]:
+    """One for all agents, or one an agent; empty where it is no limit."""
+    limits = tuple(said) if isinstance(said, list | tuple) else (said,)
+    return limits if all(isinstance(each, int | float) for each in limits) else ()
+
+
+def _each(limits: tuple[float, ...], agents: int) -> tuple[float, ...]:
+    return limits * agents if len(limits) == 1 else limits
+
+
+def _listed(limits: tuple[float, ...]) -> str:
+    return " and ".join(f"{each:g}" for each in limits)
 
 
 def part_of(notes: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -118,8 +118,9 @@ class Replay:
         of_policy = named or path.suffix == ".zip" or path.is_dir() or is_plain(path)
         if not of_policy and not path.exists():
             raise InvalidInput(
-                "what must be a policy (scripted, random, the .zip of a trained one) or the file "
-                f"of a recording, got {self.what!r}; check its name"
+                "what must be a policy (scripted, random, pretrained:BeamDoorway/joint, the .zip "
+                f"or .npz of a trained one) or the file of a recording, got {self.what!r}; check "
+                "its name"
             )
         default = Replay(what=self.what)
         others = OF_RECORDINGS if of_policy else (*OF_EPISODES, "environment")

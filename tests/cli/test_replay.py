@@ -110,7 +110,7 @@ def test_what_a_recording_in_space_lacks_of_its_pose_is_said(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("scriptd",), "what must be a policy (scripted, random, the .zip"),
+        (("scriptd",), "what must be a policy (scripted, random, pretrained:Beam"),
         (("random", "--out", "a.avi"), "out must end in one of .gif, .mp4"),
         (("random", "--fps", 60), "fps must be at most 50 in a GIF, got 60"),
         (("random", "--fps", 0), "fps must be positive"),

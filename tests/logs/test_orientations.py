@@ -120,3 +120,18 @@ def test_an_order_of_columns_that_are_not_there_is_refused(tmp_path):
     path = cases.save(cases.planar(3), tmp_path / "a.npz")
     with pytest.raises(InvalidInput, match=r"qw, qx, qy and qz, of which pose.order is, must be"):
         read(path, laid(grips=cases.BEAM, pose={"order": "xyzw"}))
+
+
+@pytest.mark.parametrize("lost", [0.0, 3.0])
+def test_an_orientation_that_is_none_is_a_bad_row_in_the_plane_too(lost, tmp_path):
+    columns = dict(cases.planar(6))
+    turn = columns.pop("theta")
+    names = ("a", "b", "c", "d")
+    quaternion = np.stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)])
+    quaternion[:, 2] = [lost, 0.0, 0.0, 0.0]
+    path = cases.save(columns | dict(zip(names, quaternion, strict=True)), tmp_path / "a.csv")
+    said: Any = {"grips": cases.BEAM, "pose": {"columns": list(names)}, "frame": "world"}
+    with pytest.raises(InvalidInput, match=r"line 4.* must be a quaternion of unit length"):
+        read(path, Layout(**said))
+    found = read(path, Layout(**said), bad_rows="skip")
+    assert found.good.tolist() == [True, True, False, True, True, True]

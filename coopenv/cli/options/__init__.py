@@ -1,1 +1,1 @@
-"""Options of the command line: what is given, files of options, help, completion, documents."""
+"""Options of the command line: what is given, files of options, help, completion."""

@@ -46,6 +46,11 @@ def checked(
     for name in names.values():
         if name not in known:
             raise UnknownName(what, name, known, elsewhere)
+    twice = [name for name in names if list(names.values()).count(names[name]) > 1]
+    if twice:
+        raise InvalidInput(
+            f"{what} must be said once, got {' and '.join(map(repr, twice))}; leave one out"
+        )
     return {names[name]: value for name, value in content.items()}
 
 

@@ -55,7 +55,13 @@ def converted(value: Any, kind: Any, name: str) -> Any:
     if not _is_of(value, kind):
         remedy = REMEDIES.get(kind, "leave it out")
         raise InvalidInput(f"{name} must be {WORDS[kind]}, got {value!r}; {remedy}")
-    return kind(value) if kind in (Path, float) else value
+    try:
+        return kind(value) if kind in (Path, float) else value
+    except OverflowError:
+        raise InvalidInput(
+            f"{name} must be a number that a double can hold, got one of {len(str(value))} digits; "
+            "correct it"
+        ) from None
 
 
 def _is_of(value: Any, kind: type) -> bool:

@@ -15,12 +15,14 @@ from coopenv.logs.calibration.declared import ORIENTED
 from coopenv.logs.calibration.orientation import IN_ANGLES, heading, quaternions, tilt
 from coopenv.logs.columns import ORIENTATION
 from coopenv.logs.declared.units import factor_of
+from coopenv.logs.faults import QUATERNION_TOLERANCE
 from coopenv.logs.formats.chunks import Chunk, Roles, Source, Wanted
 from coopenv.logs.layout import Layout
 from coopenv.logs.limits import shown
 
 MADE = ORIENTED
 MOST_TILT = 30.0  # [degrees] of the object's z axis against the world's in the plane
+WHOLE = "a quaternion of unit length, or a rotation"
 FLAT = (
     f"a turn about z that tilts it by at most {MOST_TILT:g}°, as the recording is in the plane "
     '(where y is up, exchange axes: pose.columns = ["qx", "-qz", "qy", "qw"])'
@@ -164,6 +166,7 @@ class _Oriented(Source):
         columns = dict(zip(ORIENTATION[3], quaternion.T, strict=True))
         columns["theta"] = heading(quaternion) / self._angle
         tilted = tilt(quaternion) > np.radians(MOST_TILT)
+        torn = abs(np.linalg.norm(quaternion, axis=-1) - 1) > QUATERNION_TOLERANCE
         numbers = {name: chunk.numbers[name] for name in rest}
         numbers |= {name: columns[name] for name in made}
         bad = {name: each for name, each in chunk.bad.items() if name in rest}
@@ -172,10 +175,11 @@ class _Oriented(Source):
             any_wrong: BoolArray = np.logical_or.reduce(wrong)
             bad |= dict.fromkeys(made, any_wrong)
         rules = dict(chunk.rules)
-        if "theta" in made and tilted.any():
-            numbers["theta"] = np.where(tilted, np.nan, numbers["theta"])
-            bad["theta"] = tilted | bad.get("theta", False)
-            rules["theta"] = FLAT
+        for no_angle, rule in ((tilted, FLAT), (torn, WHOLE)):
+            if "theta" in made and no_angle.any():
+                numbers["theta"] = np.where(no_angle, np.nan, numbers["theta"])
+                bad["theta"] = no_angle | bad.get("theta", False)
+                rules["theta"] = rule
         same = {each.name: getattr(chunk, each.name) for each in fields(Chunk)}
         same |= {"numbers": numbers, "bad": bad, "rules": rules}
         return _OrientedChunk(**same, read=chunk, made=tuple(made), used=self._used)

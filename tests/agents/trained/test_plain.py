@@ -16,6 +16,7 @@ from coopenv.agents import load
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.settings import find_config
 from coopenv.agents.trained import PlainPolicy, read_notes
+from coopenv.agents.trained.record import RECORD, check_trained_on
 from coopenv.errors import InvalidInput
 from tests.agents.trained.cases import CONFIG, plain
 
@@ -163,8 +164,21 @@ def test_an_environment_in_which_its_numbers_mean_something_else_is_refused():
     assert "obs and action must have the sizes" in refusal(replace(CONFIG, action="force"))
     assert "action must be 'wrench'" in refusal(replace(CONFIG, action="motion"))
     assert "force_limit must be the" in refusal(replace(CONFIG, force_limit=1.0))
+    assert "must be the 10 N that" in refusal(replace(CONFIG, force_limit=(10.0, 5.0)))
     walker = find_config("coopenv/WalkerTurn-v0", {})  # whose blocks are the same
     assert "task must be the TransportTask" in refusal(walker)
+
+
+def test_limits_of_each_agent_are_compared_with_those_of_each():
+    limits = replace(CONFIG, force_limit=(10.0, 10.0))  # as one for all of them
+    PlainPolicy(plain()).check_environment(Transport(num_worlds=1, config=limits))
+    for recorded, now in (([30.0, 5.0], 10.0), ([30.0, 5.0], (5.0, 30.0))):
+        with pytest.raises(InvalidInput, match="force_limit must be the 30 and 5 N that"):
+            check_trained_on(
+                {RECORD: {"environment": {"force_limit": recorded}}},
+                Transport(num_worlds=1, config=replace(CONFIG, force_limit=now)),
+                2,
+            )
 
 
 def test_an_environment_with_another_body_is_not(file):

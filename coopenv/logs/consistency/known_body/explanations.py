@@ -24,7 +24,7 @@ from coopenv.logs.consistency.known_body.found import Explanation, label
 from coopenv.logs.consistency.known_body.known import Motion, Windows
 from coopenv.logs.consistency.known_body.late import Times
 from coopenv.logs.consistency.known_body.misfit import Misfit
-from coopenv.logs.consistency.known_body.taken import constants, loads
+from coopenv.logs.consistency.known_body.taken import constants, loads, mounting
 from coopenv.logs.consistency.known_body.units import other_units, units
 from coopenv.logs.layout import UNITS, Layout
 
@@ -83,7 +83,7 @@ def _of_places(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
     """Where sensors are, and what they carry."""
     for group in _groups(sums.num_effectors):
         yield from offset(sums, group, layout)
-        yield from handle(sums, group)
+        yield from handle(sums, group, layout)
 
 
 def _beside_what_was_taken_off(sums: Corrected, layout: Layout) -> list[Explanation]:
@@ -199,15 +199,16 @@ def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator
     who, d = sums.named(group), len(sums.force_axes)
     keys = f"[sensors.{group[0] + 1}]" if len(group) == 1 else "each sensor's table"
 
-    mounted = {i: _mounting(i, layout, d) for i in group}
+    mounted = {i: mounting(i, layout, d) for i in group}
 
     def left(force: FloatArray, torque: FloatArray) -> float:
         axes = {i: turn @ force @ turn.T for i, turn in mounted.items()}
         torque_axes = {i: turn @ torque @ turn.T for i, turn in mounted.items()}
         return sums.share(sums.numbers(axes, torque_axes=torque_axes))
 
-    text = f"the reaction on {who} is recorded"
-    yield Explanation("sign", text, f"{keys} sign = -1", left(-UNIT, -UNIT), 0)
+    text, declared = f"the reaction on {who} is recorded", layout.sensors.get(group[0] + 1)
+    sign = -1 if declared is None else -declared.sign
+    yield Explanation("sign", text, f"{keys} sign = {sign:g}", left(-UNIT, -UNIT), 0)
     text = f"torques of {who} have the other sign"
     yield Explanation("sign", text, "turn it, --map t1z=-t1z …", left(UNIT, -UNIT), 0)
     for a in sums.force_axes:
@@ -229,13 +230,3 @@ def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator
                 text = f"{kind} of {who} are exchanged ({axes} of the file)"
                 remedy = "exchange them with --map"
                 yield Explanation("axes", text, remedy, left(matrix, torque), rank)
-
-
-def _mounting(i: int, layout: Layout, dimension: int) -> FloatArray:
-    """The declared rotation ``(3, 3)`` of a sensor."""
-    made, sensor = np.eye(3), layout.sensors.get(i + 1)
-    if sensor is not None:
-        matrix = sensor.matrix(dimension, layout.factor("angle"), f"sensors.{i + 1}")
-        if matrix is not None:
-            made[:dimension, :dimension] = matrix
-    return made

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.known_body.corrected import MOST_LOAD, Corrected
 from coopenv.logs.consistency.known_body.found import Explanation, are
-from coopenv.logs.consistency.known_body.taken import weights
+from coopenv.logs.consistency.known_body.taken import mounting, weights
 from coopenv.logs.layout import Layout
 
 LEAST_TURN = np.radians(2.0)
@@ -41,14 +41,17 @@ def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterato
     angle = np.linalg.norm(turned, axis=-1)
     if angle.max() < LEAST_TURN:
         return
-    unit = layout.factor("angle")
+    unit, d = layout.factor("angle"), len(sums.force_axes)
+    found = axes(best.x)
+    whole = Rotation.from_matrix([found[i] @ mounting(i, layout, d) for i in group])
     if plane:
-        values = [f"{float(each[0]) / unit:.3g}" for each in turned]
+        values = [f"{float(each[2]) / unit:.3g}" for each in whole.as_rotvec()]
         said = " and ".join(f"{np.degrees(float(each[0])):.3g}°" for each in turned)
     else:
-        quaternions = Rotation.from_rotvec(turned).as_quat()[:, [3, 0, 1, 2]]
+        quaternions = whole.as_quat()[:, [3, 0, 1, 2]]
         values = [f"{{ quaternion = {_listed(each, 3)} }}" for each in quaternions]
         said = " and ".join(f"{np.degrees(float(each)):.3g}°" for each in angle)
+    said += " more than is said" * any(_is_turned(i, layout) for i in group)
     yield Explanation(
         "rotation",
         f"{sums.named(group)} {are(group)} turned by {said}",
@@ -113,7 +116,7 @@ def weight(sums: Corrected) -> Iterator[Explanation]:
     )
 
 
-def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
+def handle(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
     """Weight and inertia of what hangs on sensors."""
     keys = [("mass", i) for i in group]
     keys += [("moment", i, a) for i in group for a in sums.force_axes]
@@ -130,7 +133,7 @@ def handle(sums: Corrected, group: tuple[int, ...]) -> Iterator[Explanation]:
     yield Explanation(
         "load",
         f"{sums.named(group)} {carry} {said} on the {side}'s side",
-        _tables(group, "load", [f'{{ mass = {abs(m):.3g}, side = "{side}" }}' for m in masses]),
+        ", ".join(_load_as_declared(i, m, layout) for i, m in zip(group, masses, strict=True)),
         sums.share_with(keys, found),
         RANKS["load"] + 1,
         len(group),
@@ -145,8 +148,9 @@ def center_of_mass(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
         unit = layout.factor("length")
         yield Explanation(
             "com",
-            f"the centre of mass is at {_listed(found, 3)} m of the tracked frame",
-            f"[pose] com = {_listed(found / unit, 3)}",
+            f"the centre of mass is at {_listed(found, 3)} m of the "
+            f"{'tracked frame' if not any(layout.pose.com) else 'one that is said'}",
+            f"[pose] com = {_listed(found / unit + np.array(layout.pose.com or 0.0), 3)}",
             sums.share_with(keys, found),
             RANKS["com"],
         )
@@ -161,6 +165,23 @@ def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
     matrix = sensor.matrix(len(place), layout.factor("angle"), f"sensors.{i + 1}")
     own = place if matrix is None else matrix.T @ place
     return _listed(own / unit + (np.array(sensor.offset) if sensor.offset else 0.0), 3)
+
+
+def _is_turned(i: int, layout: Layout) -> bool:
+    sensor = layout.sensors.get(i + 1)
+    return sensor is not None and sensor.rotation is not None
+
+
+def _load_as_declared(i: int, mass: float, layout: Layout) -> str:
+    """What a mass [kg], on the hand's side if positive, makes of the load that is declared."""
+    sensor = layout.sensors.get(i + 1)
+    load = None if sensor is None else sensor.load
+    if load is not None:
+        mass += load.mass if load.side == "hand" else -load.mass
+    side = "hand" if mass > 0 else "object"
+    if load is None:
+        return f'[sensors.{i + 1}] load = {{ mass = {abs(mass):.3g}, side = "{side}" }}'
+    return f'[sensors.{i + 1}.load] mass = {abs(mass):.3g} side = "{side}"'
 
 
 def _tables(group: tuple[int, ...], key: str, values: Sequence[str]) -> str:

@@ -1,5 +1,8 @@
 """What a layout has taken off readings, as columns that may be fitted anew: tares and loads."""
 
+import numpy as np
+
+from coopenv.arrays import FloatArray
 from coopenv.logs.calibration.sensor import Tare
 from coopenv.logs.consistency.known_body.corrected import Corrected, Key
 from coopenv.logs.layout import Layout
@@ -27,3 +30,13 @@ def loads(sums: Corrected, layout: Layout) -> list[Key]:
             made += [("mass", i), *(("moment", i, a) for a in sums.force_axes)]
     still = any(load is not None and load.window is None for load in carrying.values())
     return made + (weights(sums) if still else [])
+
+
+def mounting(i: int, layout: Layout, dimension: int) -> FloatArray:
+    """The declared rotation ``(3, 3)`` of a sensor."""
+    made, sensor = np.eye(3), layout.sensors.get(i + 1)
+    if sensor is not None:
+        matrix = sensor.matrix(dimension, layout.factor("angle"), f"sensors.{i + 1}")
+        if matrix is not None:
+            made[:dimension, :dimension] = matrix
+    return made
