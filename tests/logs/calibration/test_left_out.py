@@ -42,7 +42,7 @@ def mapped(layout: Layout, **columns: str) -> Layout:
 WRONG = {
     "reaction": (
         lambda right: sensors(right, sign=-1),
-        "the reaction on sensors 1 and 2 is recorded: each sensor's table sign = -1",
+        "the reaction on sensors 1 and 2 is recorded: each sensor's table sign = 1",
     ),
     "one sign": (
         lambda right: mapped(right, f1y="-left/Fy_lbf"),
