@@ -45,7 +45,7 @@ def fitted(value: Any, leaves: Leaves, part: str) -> Any:
         value, fits = float(value), not leaves.isdisjoint((float, int))
     elif type(value) is int:
         fits = not leaves.isdisjoint((float, int))
-        value = _as_float(value, part) if fits and int not in leaves else value
+        value = as_float(value, part) if fits and int not in leaves else value
     else:
         fits = any(_is_one(value, leaf) for leaf in leaves)
     if not fits:
@@ -54,7 +54,8 @@ def fitted(value: Any, leaves: Leaves, part: str) -> Any:
     return value
 
 
-def _as_float(value: int, part: str) -> float:
+def as_float(value: int, part: str) -> float:
+    """The number as a double; raises `InvalidInput` where it is too large for one."""
     try:
         return float(value)
     except OverflowError as error:

@@ -5,6 +5,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from coopenv.config.hints import as_float
 from coopenv.errors import InvalidInput, UnknownName
 
 WORDS: Mapping[type, str] = {
@@ -55,13 +56,9 @@ def converted(value: Any, kind: Any, name: str) -> Any:
     if not _is_of(value, kind):
         remedy = REMEDIES.get(kind, "leave it out")
         raise InvalidInput(f"{name} must be {WORDS[kind]}, got {value!r}; {remedy}")
-    try:
-        return kind(value) if kind in (Path, float) else value
-    except OverflowError:
-        raise InvalidInput(
-            f"{name} must be a number that a double can hold, got one of {len(str(value))} digits; "
-            "correct it"
-        ) from None
+    if kind is float:
+        return as_float(value, name)
+    return Path(value) if kind is Path else value
 
 
 def _is_of(value: Any, kind: type) -> bool:
