@@ -1,6 +1,7 @@
 """Normalisation of observations with the statistics of a policy's training."""
 
 import io
+import zipfile
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,8 @@ import numpy.typing as npt
 from typing_extensions import Self
 
 from coopenv.arrays import FloatArray
+
+MOST_BYTES = 10**7  # of unpacked statistics, two numbers a feature
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,6 +42,10 @@ class Normalization:
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
         """What `to_bytes` wrote; raises `ValueError`, or of another kind, for anything else."""
+        with zipfile.ZipFile(io.BytesIO(data)) as members:
+            unpacked = sum(member.file_size for member in members.infolist())
+        if unpacked > MOST_BYTES:
+            raise ValueError(f"its statistics would unpack to {unpacked:,} bytes")
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             mean, variance = (arrays[name].astype(np.float64) for name in ("mean", "variance"))
             found = cls(

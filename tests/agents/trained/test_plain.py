@@ -16,6 +16,7 @@ from coopenv.agents import load
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.settings import find_config
 from coopenv.agents.trained import PlainPolicy, read_notes
+from coopenv.agents.trained.normalization import Normalization
 from coopenv.agents.trained.record import RECORD, check_trained_on
 from coopenv.errors import InvalidInput
 from tests.agents.trained.cases import CONFIG, plain
@@ -189,3 +190,12 @@ def test_an_environment_with_another_body_is_not(file):
 def test_notes_go_along(file):
     assert read_notes(file)["provenance"]["training"]["control"] == "joint"
     assert PlainPolicy.load(file).notes == read_notes(file)
+
+
+def test_statistics_that_would_unpack_to_more_than_any_policy_has_are_refused_unread():
+    packed = io.BytesIO()
+    mean, variance = np.zeros(10**6), np.ones(10**6)
+    np.savez_compressed(packed, mean=mean, variance=variance, epsilon=1e-8, clip=10.0)
+    assert len(packed.getvalue()) < 10**5
+    with pytest.raises(ValueError, match="would unpack to 16,000"):
+        Normalization.from_bytes(packed.getvalue())
