@@ -14,6 +14,7 @@ from coopenv.config import TransportConfig
 from coopenv.envs import registry
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 from coopenv.files import reading, written
+from coopenv.observation.observation import find_block
 from coopenv.rewards import COSTS
 
 from . import partners
@@ -56,6 +57,8 @@ class EnvironmentChoice:
     cost: Annotated[str | None, _COST] = None
     observe: tuple[str, ...] | None = None
     """Observation blocks, for example: goal twist own_wrench."""
+    also_observe: tuple[str, ...] = ()
+    """Blocks beside those that the environment has, or that observe or sensing says: near_goal."""
     sensing: Literal["own", "shared"] | None = None
     """Instead of observe: what an agent senses by itself, or the partners' senses too."""
     bounded: bool | None = None
@@ -119,17 +122,26 @@ class EnvironmentChoice:
         return {
             name: value
             for name, value in asdict(self).items()
-            if name not in ("env", *GROUPS) and value is not None
+            if name not in ("env", "also_observe", *GROUPS) and value is not None
         }
 
     def _changed(self, config: TransportConfig) -> TransportConfig:
-        return changed(config, {name: getattr(self, name) for name in GROUPS})
+        made = changed(config, {name: getattr(self, name) for name in GROUPS})
+        there = {find_block(entry).name for entry in made.observe}
+        more = tuple(name for name in self.also_observe if name not in there)
+        return replace(made, observe=(*made.observe, *more)) if more else made
 
     def over_file(self, file: "EnvironmentChoice") -> "EnvironmentChoice":
-        """Take the numbers of body, scene and so on in ``file`` that are not given here."""
+        """Take the numbers of body, scene and so on in ``file`` that are not given here.
+
+        Blocks beside the observed ones that were not given here go where what is observed was.
+        """
+        seen = [(each.observe, each.sensing) for each in (self, file)]
+        apart = seen[0] != seen[1] and self.also_observe == file.also_observe
         groups = {name: (getattr(file, name), getattr(self, name)) for name in GROUPS}
         return replace(
             self,
+            also_observe=() if apart else self.also_observe,
             **{
                 name: own if own == theirs else (*theirs, *own)
                 for name, (theirs, own) in groups.items()

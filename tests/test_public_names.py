@@ -86,9 +86,9 @@ NAMES: dict[str, tuple[str, ...]] = {
 WORDS: dict[str, tuple[str, ...]] = {  # registry -> what users pass as text
     "coopenv.BLOCKS": (
         "acceleration", "body", "energy_share", "felt_wrench", "goal", "internal_power", "known",
-        "load_share", "obstacles", "own_internal", "own_motion", "own_wrench", "partner_internal",
-        "partner_obstacles", "partner_wrench", "relative_cost", "stored_energy", "stretch", "time",
-        "twist",
+        "load_share", "near_goal", "obstacles", "own_internal", "own_motion", "own_wrench",
+        "partner_internal", "partner_obstacles", "partner_wrench", "relative_cost",
+        "stored_energy", "stretch", "time", "twist",
     ),
     "coopenv.agents.partners.PARTNERS": (
         "follower", "impedance", "lagging", "leader", "load_sharing", "noisy", "population",

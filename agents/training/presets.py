@@ -16,6 +16,13 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
 }
 """Gymnasium id to what is not as in `coopenv.agents.settings.TrainConfig`."""
 
+ALSO_OBSERVED: Mapping[str, tuple[str, ...]] = {
+    "coopenv/BeamDoorway-v0": ("near_goal",),
+    "coopenv/BeamLift-v0": ("near_goal",),
+    "coopenv/WalkerAvoid-v0": ("near_goal",),
+}
+"""Gymnasium id to blocks without which mean actions come to rest just beside the goal."""
+
 
 def preset(env: str) -> dict[str, Any]:
     """Settings of a training in the environment of a Gymnasium id; none for one of your own.
@@ -25,7 +32,23 @@ def preset(env: str) -> dict[str, Any]:
     env
         The id, with the module that registers it before a colon or without.
     """
-    return dict(PRESETS.get(env.rpartition(":")[2], {}))
+    return dict(PRESETS.get(_id(env), {}))
+
+
+def environment_choice(env: str) -> EnvironmentChoice:
+    """The environment of a Gymnasium id, with the blocks that a training there observes too.
+
+    Parameters
+    ----------
+    env
+        As in `preset`.
+    """
+    return EnvironmentChoice(env=env, also_observe=ALSO_OBSERVED.get(_id(env), ()))
+
+
+def _id(env: str) -> str:
+    """Without the module that registers it."""
+    return env.rpartition(":")[2]
 
 
 def train_config(environment: EnvironmentChoice | str, **settings: Any) -> TrainConfig:
@@ -34,7 +57,7 @@ def train_config(environment: EnvironmentChoice | str, **settings: Any) -> Train
     Parameters
     ----------
     environment
-        Of the run, or its id.
+        Of the run, or its id, which stands for `environment_choice`.
     **settings
         Fields of `coopenv.agents.settings.TrainConfig`.
 
@@ -49,5 +72,5 @@ def train_config(environment: EnvironmentChoice | str, **settings: Any) -> Train
     True
     """
     if isinstance(environment, str):
-        environment = EnvironmentChoice(env=environment)
+        environment = environment_choice(environment)
     return TrainConfig(environment=environment, **{**preset(environment.env), **settings})

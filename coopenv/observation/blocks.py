@@ -6,6 +6,7 @@ from coopenv.arrays import FloatArray
 from coopenv.geometry.frames import rotated_back
 from coopenv.observation.block import Block, EachOther
 from coopenv.observation.energy import ENERGY
+from coopenv.observation.near import NEAR_GOAL
 from coopenv.observation.ranges import ranges
 from coopenv.observation.senses import SENSES
 from coopenv.observation.view import VIEW, VIEW_PARTS
@@ -49,6 +50,7 @@ BLOCKS: dict[str, Block] = {
     block.name: block
     for block in (
         *VIEW,
+        NEAR_GOAL,
         Block(
             name="known",
             size=2,

@@ -66,6 +66,13 @@ def body_seen(core):
     return np.delete(seen, 7, axis=-1)
 
 
+def near_seen(way, turn):
+    """The ``near_goal`` block for a way ``(world, agent, 2)`` and a turn ``(world,)``."""
+    turn = np.arctan2(np.sin(turn), np.cos(turn))[:, None].repeat(way.shape[1], axis=1)
+    away = np.linalg.norm(way, axis=-1, keepdims=True)
+    return np.concatenate([way / (away + 0.1), (turn / (abs(turn) + 0.1))[..., None]], axis=-1)
+
+
 @pytest.mark.parametrize("team", TEAMS)
 def test_every_block_is_what_it_says(team):
     core, transition, obs = moved(TEAMS[team])
@@ -89,6 +96,7 @@ def test_every_block_is_what_it_says(team):
         "partner_internal": internal[:, :, 1:].reshape(4, count, -1),
         "load_share": np.stack([share.force, share.torque], axis=-1),
         "relative_cost": transition.decomposition.relative_cost[:, None, None].repeat(count, 1),
+        "near_goal": near_seen(seen_along(away, heading), turn),
         "known": np.ones((4, count, 2)),
         "body": body_seen(core),
         "time": np.full((4, count, 1), 1 - 7 / core.horizon),

@@ -85,7 +85,7 @@ def environment(given: Mapping[str, Any], start: EnvironmentChoice) -> Environme
 
 
 def _plain(value: Any, name: str) -> Any:
-    if name == "observe" and isinstance(value, list):
+    if name in ("observe", "also_observe") and isinstance(value, list):
         return tuple(value)
     if name == "env" and not isinstance(value, str):
         raise InvalidInput(f"env must be an id, got {value!r}; coopenv/BeamTransport-v0 is one")

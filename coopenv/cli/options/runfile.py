@@ -7,13 +7,14 @@ what is given on the command line wins.
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from coopenv.agents.differences import differences
 from coopenv.agents.provenance import Provenance, versions
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
-from coopenv.agents.training.presets import preset
+from coopenv.agents.training.presets import environment_choice, preset
 from coopenv.cli.options.content import (
     PLACES,
     TRAINING,
@@ -65,11 +66,15 @@ def training(path: Path, trust: Trust = False, env: str | None = None) -> dict[s
     """Options of ``coopenv train`` in a file, as its fields.
 
     Settings that the file does not name are the preset of ``env``, or if that is ``None`` of the
-    file's id.
+    file's id. So are blocks beside those observed, unless it has an ``observe``, as runs write it.
     """
     content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
-    values["environment"] = environment(content["environment"], EnvironmentChoice())
+    table, start = content["environment"], EnvironmentChoice()
+    if "observe" not in table:
+        chosen = environment_choice(env or table.get("env", start.env))
+        start = replace(start, also_observe=chosen.also_observe)
+    values["environment"] = environment(table, start)
     if isinstance(values.get("hidden"), list):
         values["hidden"] = tuple(values["hidden"])
     if "out" in values:

@@ -12,6 +12,7 @@ from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.training.presets import PRESETS, preset, train_config
 from coopenv.cli.options.reading import read
 from coopenv.envs.registry import PREFIX
+from coopenv.observation.observation import find_block
 
 DOORWAY = "coopenv/BeamDoorway-v0"
 MINE = preset(DOORWAY)
@@ -72,6 +73,37 @@ def test_the_id_of_the_command_line_counts_where_the_file_has_another(tmp_path):
     file.write_text("seed = 7\n")
     assert trained("--config", file, "--env", DOORWAY) == train_config(DOORWAY, seed=7)
     assert trained("--config", file) == TrainConfig(seed=7)
+
+
+def seen(config: TrainConfig) -> list[str]:
+    return [find_block(entry).name for entry in config.environment.config().observe]
+
+
+def test_a_training_also_observes_what_its_id_needs_beside_what_the_environment_shows():
+    own = [find_block(entry).name for entry in EnvironmentChoice(env=DOORWAY).config().observe]
+    assert seen(trained("--env", DOORWAY)) == [*own, "near_goal"]
+    assert seen(trained("--env", DOORWAY, "--also-observe", "time", "goal")) == [*own, "time"]
+    assert "near_goal" not in seen(trained("--env", "coopenv/BeamTransport-v0"))
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        (("--observe", "goal", "twist"), ["goal", "twist"]),
+        (("--observe", "goal", "--also-observe", "time"), ["goal", "time"]),
+    ],
+)
+def test_who_says_what_is_observed_sees_that_and_no_more(given, wanted):
+    assert seen(trained("--env", DOORWAY, *given)) == wanted
+    assert "near_goal" not in seen(trained("--env", DOORWAY, "--sensing", "own"))
+
+
+def test_a_file_that_says_what_is_observed_says_all_of_it(tmp_path):
+    file = tmp_path / "run.toml"
+    file.write_text(f'[environment]\nenv = "{DOORWAY}"\nobserve = ["goal"]\n')
+    assert "near_goal" not in seen(trained("--config", file))
+    file.write_text(f'[environment]\nenv = "{DOORWAY}"\nalso_observe = ["time"]\n')
+    assert seen(trained("--config", file))[-1] == "time"
 
 
 def test_a_finished_run_is_taken_with_the_settings_that_it_had(tmp_path):
