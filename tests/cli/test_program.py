@@ -87,6 +87,16 @@ def test_an_interrupted_evaluation_loses_no_training(tmp_path, monkeypatch, caps
     assert (tmp_path / "table.csv").exists()
 
 
+def test_what_training_tells_names_a_folder_with_brackets_as_it_is(tmp_path, capsys):
+    out = tmp_path / "[red]"
+    options = (*TINY, "--episodes=2", "--no-gif", f"--out={out}")
+    assert run("train", *options) == 0
+    capsys.readouterr()
+    assert run("train", *options) == 0
+    printed = "".join(capsys.readouterr().out.split())
+    assert f"{out / 'policy.zip'}hasdoneits64steps" in printed
+
+
 def test_evaluate_takes_the_environment_a_policy_was_trained_in(tmp_path, capsys):
     out = tmp_path / "blind"
     options = ("--observe", "goal", "twist", "--no-gif", "--episodes", 2, "--out", out)
