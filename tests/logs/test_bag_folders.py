@@ -210,7 +210,9 @@ def test_from_python_3_14_on_its_own_zstandard_inflates(tmp_path, monkeypatch):
         return zstd.open(file, mode)
 
     monkeypatch.setattr(sys, "version_info", (3, 14, 0))
-    monkeypatch.setitem(sys.modules, "compression", SimpleNamespace(zstd=SimpleNamespace(open=opened)))
+    monkeypatch.setitem(
+        sys.modules, "compression", SimpleNamespace(zstd=SimpleNamespace(open=opened))
+    )
     monkeypatch.setitem(sys.modules, "backports", None)
     require_whole(path, Limits())
     assert inflated == [each.name for each in path.iterdir() if each.suffix == ".zstd"]

@@ -79,6 +79,13 @@ def test_any_number_of_grips_makes_an_object(num_effectors):
     assert (stage(grips=grips).picture(0)[:-50] == BODY).all(axis=-1).sum() > 100
 
 
+def test_the_order_of_the_grips_does_not_change_the_object():
+    square = np.array([(-0.5, -0.4), (0.5, -0.4), (0.5, 0.4), (-0.5, 0.4)])
+    for order in ((0, 2, 1, 3), (1, 0, 2, 3), (3, 0, 2, 1)):
+        same = stage(grips=square[list(order)]).picture(1) == stage(grips=square).picture(1)
+        assert same.all()
+
+
 def test_two_grips_beside_the_centre_of_mass_are_joined_through_it():
     flat = np.array([(-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
     drawn = stage(grips=BAR + (0.0, 0.4), pose=flat)

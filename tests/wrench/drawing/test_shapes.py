@@ -17,6 +17,17 @@ def test_an_arrow_begins_and_ends_where_it_should_however_short():
         assert 0.0 < neck @ vector < vector @ vector
 
 
+@pytest.mark.parametrize("vector", [(1.0, 0.0), (0.0, -2.0), (0.3, -0.4)])
+def test_an_arrow_is_as_wide_as_it_should_be_across_its_way(vector):
+    start, width = np.array([1.0, 2.0]), 0.01
+    corners = shapes.arrow(start, np.array(vector), width)
+    for left, right, wide in ((0, 6, width), (1, 5, width), (2, 4, 2 * shapes.SPREAD * width)):
+        over = corners[left] - corners[right]
+        assert np.linalg.norm(over) == pytest.approx(wide)
+        assert over @ vector == pytest.approx(0.0, abs=1e-12)
+        assert vector[0] * over[1] - vector[1] * over[0] > 0.0  # to the left
+
+
 @pytest.mark.parametrize("sweep", [0.4, -2.0, 4.5])
 def test_a_round_arrow_ends_after_its_sweep_on_its_circle(sweep):
     centre = np.array([1.0, -1.0])
