@@ -88,7 +88,7 @@ def test_the_order_of_the_grips_does_not_change_the_object():
 
 def test_two_grips_beside_the_centre_of_mass_are_joined_through_it():
     flat = np.array([(-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
-    drawn = stage(grips=BAR + (0.0, 0.4), pose=flat)
+    drawn = stage(grips=BAR + np.array([0.0, 0.4]), pose=flat)
     first, second = (drawn.picture(row) for row in (0, 1))
     metre = (middle(second, BODY) - middle(first, BODY))[0] / 2.0  # [px]
     assert extent(first, BODY)[1] > 0.4 * metre

@@ -36,6 +36,17 @@ def test_a_round_arrow_ends_after_its_sweep_on_its_circle(sweep):
     assert np.linalg.norm(corners - end, axis=-1).min() == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("sweep", [0.06, 0.4, -2.0])
+def test_a_round_arrow_has_a_head_of_its_length_and_a_shaft_that_is_round(sweep):
+    width, radius = 0.05, 0.5
+    corners = shapes.round_arrow(np.zeros(2), radius, 0.0, sweep, width)
+    angles = np.arctan2(corners[:, 1], corners[:, 0])
+    tip = int(np.abs(angles).argmax())
+    head = min(shapes.HEAD * width / radius, shapes.MOST * abs(sweep))
+    assert np.abs(angles[[tip - 1, tip + 1]] - sweep) == pytest.approx(head)
+    assert np.abs(np.diff(angles[: tip - 1])).max() <= 0.05 + 1e-12
+
+
 def excess(points, diameter_from, diameter_to):
     """How far points lie outside a ball with that diameter."""
     centre, radius = (diameter_from + diameter_to) / 2, np.linalg.norm(diameter_to - diameter_from)
