@@ -106,10 +106,8 @@ def test_units_that_the_file_of_one_device_says_are_of_its_columns_alone(tmp_pat
     head, *rows = (tmp_path / "left.csv").read_text().splitlines()
     save(tmp_path / "left.csv", "\n".join([head, "s,kN,kN,N-mm", *rows]))
     found = joined(path, left={"units_row": True})
-    left, right = (found.applied[:, i] / seconds(found)[:, None] for i in (0, 1))
-    moving = seconds(found) > 0
-    np.testing.assert_allclose(left[moving], [[1e5, 1e5, 0.1]] * moving.sum())
-    np.testing.assert_allclose(right[moving], [[100.0, 100.0, 100.0]] * moving.sum())
+    for own, scale in ((0, [1e5, 1e5, 0.1]), (1, [100.0, 100.0, 100.0])):
+        np.testing.assert_allclose(found.applied[:, own], np.outer(seconds(found), scale))
 
 
 def test_rows_are_those_of_the_clock_where_all_have_samples(tmp_path):
