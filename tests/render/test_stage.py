@@ -83,7 +83,7 @@ def test_the_order_of_the_grips_does_not_change_the_object():
     square = np.array([(-0.5, -0.4), (0.5, -0.4), (0.5, 0.4), (-0.5, 0.4)])
     for order in ((0, 2, 1, 3), (1, 0, 2, 3), (3, 0, 2, 1)):
         given, sorted_ = (stage(grips=each).picture(1) for each in (square[list(order)], square))
-        assert (given != sorted_).mean() < 0.002  # but for what smooths the outline
+        assert (given != sorted_).mean() < 0.005  # but for what smooths the outline
 
 
 def test_two_grips_beside_the_centre_of_mass_are_joined_through_it():
