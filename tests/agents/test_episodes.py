@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from dataclasses import asdict
 from math import nan
 
 import numpy as np
@@ -147,6 +148,13 @@ def test_every_cell_of_the_printed_table_is_the_number_of_its_heading():
     assert lines[3] == [
         "lost", "0.0", "0-79", "-", "-", "0.600", "8.00", "1.80", "0.50:0.50", "0.10",
     ]  # fmt: skip
+
+
+def test_what_a_file_says_of_an_evaluation_is_read_back_nan_too():
+    lost = Evaluation.of(hand_made().pick(np.array([2])), dt=0.1, policy="lost")
+    assert np.isnan(lost.success_time)
+    again = Evaluation.from_dict(json.loads(json.dumps(lost.plain())))
+    np.testing.assert_equal(asdict(again), asdict(lost))
 
 
 def test_files_hold_the_numbers_themselves(tmp_path):

@@ -42,6 +42,7 @@ def test_an_experiment_runs_reports_and_is_not_repeated(file, tmp_path, capsys):
     assert re.search(r"[1-9] of 10 cells, \d:\d\d:\d\d left", printed)
     assert "10 of 10 cells\n" in printed
     assert "tiny: interquartile mean" in printed
+    assert re.search(r"^ *setting +runs +\w", printed, re.MULTILINE)
     page = (out / "report" / "report.md").read_bytes()
     results = {path: path.stat().st_mtime_ns for path in out.glob("cells/*/*/*")}
     assert cli.main(command) == 0

@@ -75,16 +75,18 @@ def test_an_interrupted_evaluation_loses_no_training(tmp_path, monkeypatch, caps
     def interrupted(*arguments, **keywords):
         raise KeyboardInterrupt
 
-    options = (*TINY, "--episodes=2", "--no-gif", f"--out={tmp_path}")
+    out = tmp_path / "[red]"  # a name that would be taken for a colour
+    options = (*TINY, "--episodes=2", "--no-gif", f"--out={out}")
     with monkeypatch.context() as patch:
         patch.setattr(evaluate, "compare", interrupted)
         assert run("train", *options) == 130
     assert "goes straight to its evaluation" in capsys.readouterr().err
-    trained = (tmp_path / "policy.zip").read_bytes()
+    trained = (out / "policy.zip").read_bytes()
     assert run("train", *options) == 0
-    assert "has done its 64 steps" in " ".join(capsys.readouterr().out.split())
-    assert (tmp_path / "policy.zip").read_bytes() == trained
-    assert (tmp_path / "table.csv").exists()
+    printed = "".join(capsys.readouterr().out.split())
+    assert f"{out / 'policy.zip'}hasdoneits64steps" in printed
+    assert (out / "policy.zip").read_bytes() == trained
+    assert (out / "table.csv").exists()
 
 
 def test_evaluate_takes_the_environment_a_policy_was_trained_in(tmp_path, capsys):

@@ -1,7 +1,9 @@
 """Rosbag2 folders are read as the files in them are, and what is wrong with one is said."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,8 @@ from ruamel.yaml import YAML
 from coopenv.__main__ import main
 from coopenv.errors import InvalidInput
 from coopenv.logs import Layout, decompose_file, read
+from coopenv.logs.formats.bags.folder import require_whole
+from coopenv.logs.limits import Limits
 from coopenv.logs.recording import Reader
 from tests.logs import cases, devices
 from tests.logs.kinds import ROWS, recorded
@@ -192,3 +196,23 @@ def test_what_inflates_to_more_than_may_be_read_at_once_is_refused(tmp_path):
         InvalidInput, match=r"at most 1,000 bytes to be read at once.*smaller files"
     ):
         read(path, layout)
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 14), reason="looks like 3.14, which this is")
+def test_from_python_3_14_on_its_own_zstandard_inflates(tmp_path, monkeypatch):
+    from backports import zstd
+
+    path = bag(tmp_path, "SQLITE3", compressed="FILE")
+    inflated = []
+
+    def opened(file, mode):
+        inflated.append(Path(file).name)
+        return zstd.open(file, mode)
+
+    monkeypatch.setattr(sys, "version_info", (3, 14, 0))
+    monkeypatch.setitem(
+        sys.modules, "compression", SimpleNamespace(zstd=SimpleNamespace(open=opened))
+    )
+    monkeypatch.setitem(sys.modules, "backports", None)
+    require_whole(path, Limits())
+    assert inflated == [each.name for each in path.iterdir() if each.suffix == ".zstd"]

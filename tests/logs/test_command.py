@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import re
 from dataclasses import fields
 from itertools import pairwise
 
@@ -43,6 +44,15 @@ def test_it_prints_a_summary_and_leaves_table_and_picture(tmp_path, capsys):
     table = cases.load(tmp_path / "trial.decomposed.csv")
     np.testing.assert_allclose(table["f1x"], cases.planar()["f1x"])
     assert (tmp_path / "trial.decomposed.png").exists()
+
+
+def test_on_a_terminal_a_bar_comes_to_its_end(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    path = cases.save(cases.planar(), tmp_path / "trial.csv")
+    assert run("decompose", path, "--grips", *cases.BEAM, "--no-picture") == 0
+    plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", capsys.readouterr().out)
+    assert re.search(r"decomposing .* 100 %", plain)
 
 
 def test_the_summary_fits_eighty_columns(tmp_path, capsys, monkeypatch):

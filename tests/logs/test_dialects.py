@@ -100,6 +100,8 @@ def test_of_two_columns_that_differ_in_capitals_the_one_that_is_mapped_is_read(
         ("separator", "~", "separator must be one of the known names"),
         ("encoding", "rot13", "encoding must be one of the known names, got 'rot13'"),
         ("encoding", "cp125é", "encoding must be one of the known names"),
+        ("encoding", "utf-8é", "encoding must be one of the known names"),
+        ("encoding", "utf\0-8", "encoding must be one of the known names"),
         ("encoding", 3, "encoding must be a word, got 3"),
         ("comment", "# ", "comment must be a mark of at most 8 characters"),
         ("skip_lines", -1, "skip_lines must be a whole number of at least 0"),

@@ -68,4 +68,7 @@ def test_later_trials_are_drawn_after_earlier_ones(tmp_path):
     assert x.tolist() == [*range(5, 15), *range(14, 24), *range(23, 33)]
     assert picture._axis.starts == [14.0, 23.0]
     picture.draw(tmp_path / "a.png")
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    drawn = (tmp_path / "a.png").read_bytes()
+    assert drawn.startswith(b"\x89PNG")
+    width, height = np.frombuffer(drawn, dtype=">u4", count=2, offset=16).tolist()  # [px]
+    assert (width, height) == (1540, 110 * (1 + 2 * 7))  # seven rows of panels

@@ -162,6 +162,26 @@ def test_streams_of_a_bag_are_told_apart_and_their_layout_reads_it(tmp_path):
     np.testing.assert_allclose(found.applied, cases.wrench(kinds.recorded()), atol=1e-9)
 
 
+def test_the_header_of_a_message_is_no_column(tmp_path):
+    pytest.importorskip("rosbags")
+    columns = {
+        each.part: {seen.name for seen in each.columns}
+        for each in inspect_file(devices.rosbag1(kinds.recorded(), tmp_path))
+    }
+    sides = {f"wrench/{what}/{axis}" for what in ("force", "torque") for axis in "xyz"}
+    assert columns["/left/wrench"] - {"time"} == sides
+    assert not {name for names in columns.values() for name in names if "header" in name}
+
+
+@pytest.mark.parametrize("folder", ["/data/left/", "C:\\data\\left\\"])
+def test_whose_device_a_file_is_says_its_name_and_not_its_folder(folder, tmp_path):
+    (tmp_path / "a.csv").write_text("time,Fx,Fy\n0.0,1,2\n0.1,2,1\n")
+    (seen,) = inspect_file(tmp_path / "a.csv")
+    contents = [replace(seen, path=f"{folder}{name}.csv") for name in ("right", "left")]
+    found = [{each.name for each in made.values()} for made in guesses(contents)]
+    assert found == [{"f2x", "f2y"}, {"f1x", "f1y"}]
+
+
 def test_names_that_would_break_out_of_a_layout_do_not(tmp_path):
     name = 'Fx_left"]\n[x]\x7f\\'
     np.savez(tmp_path / "a.npz", **{"time": np.arange(4.0), "f1y": np.ones(4)})

@@ -101,6 +101,15 @@ def test_quaternions_turn_as_slerp_does():
     np.testing.assert_allclose(same, quaternions[:1])
 
 
+def test_units_that_the_file_of_one_device_says_are_of_its_columns_alone(tmp_path):
+    path = devices(tmp_path)
+    head, *rows = (tmp_path / "left.csv").read_text().splitlines()
+    save(tmp_path / "left.csv", "\n".join([head, "s,kN,kN,N-mm", *rows]))
+    found = joined(path, left={"units_row": True})
+    for own, scale in ((0, [1e5, 1e5, 0.1]), (1, [100.0, 100.0, 100.0])):
+        np.testing.assert_allclose(found.applied[:, own], np.outer(seconds(found), scale))
+
+
 def test_rows_are_those_of_the_clock_where_all_have_samples(tmp_path):
     path = devices(tmp_path, left=np.arange(20) / 250, right=np.arange(-4, 12) / 200)
     found = joined(path)

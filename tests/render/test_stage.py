@@ -6,7 +6,7 @@ import pytest
 pytest.importorskip("pygame")
 
 from coopenv.errors import InvalidInput
-from coopenv.render.look import APPLIED, BODY, INTERNAL
+from coopenv.render.look import APPLIED, BODY, FLOOR, GRID, INTERNAL
 from coopenv.render.stage import Stage
 
 BAR = np.array([(-0.5, 0.0), (0.5, 0.0)])
@@ -77,6 +77,34 @@ def test_any_number_of_grips_makes_an_object(num_effectors):
     turns = np.arange(num_effectors) * 2 * np.pi / num_effectors
     grips = np.stack([np.cos(turns), np.sin(turns)], axis=-1)[::-1]
     assert (stage(grips=grips).picture(0)[:-50] == BODY).all(axis=-1).sum() > 100
+
+
+def test_the_order_of_the_grips_does_not_change_the_object():
+    square = np.array([(-0.5, -0.4), (0.5, -0.4), (0.5, 0.4), (-0.5, 0.4)])
+    for order in ((0, 2, 1, 3), (1, 0, 2, 3), (3, 0, 2, 1)):
+        given, sorted_ = (stage(grips=each).picture(1) for each in (square[list(order)], square))
+        assert (given != sorted_).mean() < 0.005  # but for what smooths the outline
+
+
+def test_two_grips_beside_the_centre_of_mass_are_joined_through_it():
+    flat = np.array([(-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
+    drawn = stage(grips=BAR + np.array([0.0, 0.4]), pose=flat)
+    first, second = (drawn.picture(row) for row in (0, 1))
+    metre = (middle(second, BODY) - middle(first, BODY))[0] / 2.0  # [px]
+    assert extent(first, BODY)[1] > 0.4 * metre
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (3.0, -2.0)])
+def test_lines_of_the_grid_lie_evenly_from_edge_to_edge_both_ways(place):
+    picture = stage(pose=np.array([(*place, 0.0), (np.nan, 0.0, 0.0)])).picture(1)
+    floor = picture[(picture == FLOOR).all(axis=-1).any(axis=1).nonzero()[0].min() :][:300]
+    is_grid = (floor == GRID).all(axis=-1)
+    for axis in (0, 1):
+        (lines,) = np.nonzero(is_grid.mean(axis=axis) > 0.9)
+        apart = np.diff(lines)
+        assert np.ptp(apart) <= 1
+        assert lines[0] <= apart.max()
+        assert is_grid.shape[1 - axis] - lines[-1] <= apart.max()
 
 
 def test_grips_at_the_centre_of_mass_make_an_object_too():

@@ -13,7 +13,7 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
-from coopenv.agents.experiments import conduct
+from coopenv.agents.experiments import Search, conduct
 from coopenv.agents.experiments.cell import CELL, FAILURE, RESULT, Cell
 from coopenv.agents.experiments.run import WORK, run_cells
 from coopenv.agents.experiments.work import main, tell, work
@@ -48,6 +48,18 @@ def finished(tmp_path_factory):
     assert outcome.failures == {}
     assert len(outcome.results.runs) == outcome.cells == 4
     return out
+
+
+@pytest.mark.parametrize("tune", [0, 3])
+def test_a_search_changes_the_grid_before_its_cells_run_if_it_has_trials(tune, tmp_path):
+    class Found(Search):
+        def run(self, experiment, trials, run):
+            return replace(experiment, seeds=1), {"ppo": {"trials": trials}}
+
+    search = Found(space={"epochs": {"low": 1, "high": 4}})
+    outcome = conduct(small(tmp_path), search=search, tune=tune, launch=here, workers=1)
+    assert outcome.cells == (2 if tune else 4)
+    assert outcome.results.settings_found == ({"ppo": {"trials": 3}} if tune else {})
 
 
 def test_every_cell_has_a_folder_with_its_configuration_versions_revision_and_evaluation(finished):

@@ -51,6 +51,16 @@ def test_an_answer_that_is_not_optimal_breaks_the_claim_of_the_least_cost(monkey
     assert any(text.startswith("ours lies in the lens") for text in broken)
 
 
+def test_in_figure_4_all_that_the_second_effector_applies_is_internal_and_it_balances():
+    panels = pictures.panels()["fig4"]
+    assert len(panels) == 2
+    for panel in panels:
+        internal = panel.options["internal"]
+        np.testing.assert_array_equal(panel.applied[1], internal[1])
+        np.testing.assert_array_equal(internal[0], -internal[1])
+        assert np.linalg.norm(internal[1]) > 0.1
+
+
 def test_the_random_splits_of_a_pair_balance_are_plausible_and_fill_the_lens():
     splits = pairs.plausible_splits(2000, 1)
     assert len(splits) > 50

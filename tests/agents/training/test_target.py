@@ -112,6 +112,14 @@ def test_nothing_is_checked_before_the_exploring_policy_succeeds_half_as_often(s
     assert not stand_in.asked
 
 
+@pytest.mark.parametrize(("before", "lately"), [(1.0, 0.0), (0.0, 1.0)])
+def test_the_newest_rollout_says_whether_anything_is_checked(before, lately, seen):
+    stand_in = seen({50: 0, 500: 0})
+    window = [[{"success": before}], [{"success": lately}]]
+    target.Target(0.98, SHORT).check(MODEL, Progress(steps=32, window=window))
+    assert bool(stand_in.asked) == (lately == 1.0)
+
+
 def test_episodes_that_end_a_run_are_in_no_training_and_in_no_other_evaluation():
     stopping = evaluation_seeds(STOPPING, 500)
     assert stopping[0] > evaluation_seeds(STOPPING - 1, 500)[-1]

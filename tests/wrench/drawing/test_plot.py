@@ -145,6 +145,13 @@ def test_a_decomposition_made_before_is_drawn_with_its_own_weights():
     assert again.get_title() == axes.get_title()
 
 
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_the_title_tells_torques_of_objects_of_any_size(size):
+    own = np.array([(0.0, 0.0, size), (0.0, 0.0, -size)])
+    axes = wrench.plot(own + FIGHT, size * BEAM, internal=own)
+    assert axes.get_title().endswith(f"F_I = 0 N, T_I = {size:.3g} N·m")
+
+
 @pytest.mark.parametrize("weight", [{"torque_weight": 0.5}, {"include_induced": True}])
 def test_other_weights_beside_a_decomposition_are_refused(weight):
     split = wrench.decompose(FIGHT, BEAM, torque_weight=0.1)

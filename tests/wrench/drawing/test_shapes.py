@@ -17,12 +17,34 @@ def test_an_arrow_begins_and_ends_where_it_should_however_short():
         assert 0.0 < neck @ vector < vector @ vector
 
 
+@pytest.mark.parametrize("vector", [(1.0, 0.0), (0.0, -2.0), (0.3, -0.4)])
+def test_an_arrow_is_as_wide_as_it_should_be_across_its_way(vector):
+    start, width = np.array([1.0, 2.0]), 0.01
+    corners = shapes.arrow(start, np.array(vector), width)
+    for left, right, wide in ((0, 6, width), (1, 5, width), (2, 4, 2 * shapes.SPREAD * width)):
+        over = corners[left] - corners[right]
+        assert np.linalg.norm(over) == pytest.approx(wide)
+        assert over @ vector == pytest.approx(0.0, abs=1e-12)
+        assert vector[0] * over[1] - vector[1] * over[0] > 0.0  # to the left
+
+
 @pytest.mark.parametrize("sweep", [0.4, -2.0, 4.5])
 def test_a_round_arrow_ends_after_its_sweep_on_its_circle(sweep):
     centre = np.array([1.0, -1.0])
     corners = shapes.round_arrow(centre, 0.5, 0.3, sweep, 0.05)
     end = centre + 0.5 * np.array([np.cos(0.3 + sweep), np.sin(0.3 + sweep)])
     assert np.linalg.norm(corners - end, axis=-1).min() == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("sweep", [0.06, 0.4, -2.0])
+def test_a_round_arrow_has_a_head_of_its_length_and_a_shaft_that_is_round(sweep):
+    width, radius = 0.05, 0.5
+    corners = shapes.round_arrow(np.zeros(2), radius, 0.0, sweep, width)
+    angles = np.arctan2(corners[:, 1], corners[:, 0])
+    tip = int(np.abs(angles).argmax())
+    head = min(shapes.HEAD * width / radius, shapes.MOST * abs(sweep))
+    assert np.abs(angles[[tip - 1, tip + 1]] - sweep) == pytest.approx(head)
+    assert np.abs(np.diff(angles[: tip - 1])).max() <= 0.05 + 1e-12
 
 
 def excess(points, diameter_from, diameter_to):

@@ -63,6 +63,19 @@ def test_agreeing_effectors_keep_their_wrench_to_rounding():
     assert d.relative_cost.max() <= 1e-15
 
 
+def test_a_force_along_its_lever_still_induces_no_torque_once_it_is_split():
+    rng = np.random.default_rng(9)
+    applied = rng.normal(size=(200, 2, 3))
+    applied[:, 0, :2] = rng.normal(size=(200, 1)) * GRIPS[0]
+    for include_induced in (False, True):
+        d = wrench.decompose(applied, GRIPS, include_induced=include_induced)
+        kept = d.manipulation[:, 0]
+        induced = GRIPS[0, 0] * kept[:, 1] - GRIPS[0, 1] * kept[:, 0]
+        assert np.abs(induced).max() <= 1e-14
+        assert relative_residuals(d).max() <= 1e-14
+        assert (d.relative_cost > 0.01).any()
+
+
 def test_near_agreement_little_is_internal():
     # the feasible set is a lens of length ε and thickness ε²
     rng = np.random.default_rng(4)

@@ -44,6 +44,7 @@ def test_internal_torque_is_that_of_the_first_600_ms_by_method():
     found = internal_torques(checked_trials(make_trials(disagreement=undone)))
     assert len(found) == 6 * len(GUIDES) * len(METHODS)
     assert (found["num_trials"] == 3).all()
+    assert found.index.tolist() == list(range(len(found)))
     for row in found.itertuples():
         own = UNDONE[row.condition] + 0.02 * row.pair * (1 + (row.condition == "none"))
         more = 0.0 if row.method in (OURS, "point_mass") else TORQUE / 2
