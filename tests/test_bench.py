@@ -50,8 +50,8 @@ def test_a_team_acts_at_random_in_whatever_actions_there_are(action):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--num-worlds", "0"], "num_worlds must be at least 1, got 0"),
-        (["--threads", "0"], "threads must be at least 1, got 0"),
+        (["--num-worlds", "0"], "num_worlds must be a whole number of at least 1, got 0"),
+        (["--threads", "0"], "threads must be a whole number of at least 1, got 0"),
         (["--seconds", "0"], "seconds must be"),
         (["--seconds", "61"], "seconds must be at most 60, got 61"),
     ],
