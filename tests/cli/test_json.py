@@ -186,7 +186,7 @@ def test_a_bench_has_a_rate_for_each_batch(monkeypatch, capsys):
     monkeypatch.setattr("coopenv.bench.SPLITS", (("a pair in the plane", 1),))
     monkeypatch.setattr("coopenv.bench.command.CALLS", 20)
     line = ["bench", "--num-worlds", "1", "3", "--threads", "1", "--seconds=0.01", "--horizon=9"]
-    found = asked(line, capsys, "worlds")
+    found = asked(line, capsys, "a world and step")
     assert found["environment"] == "coopenv/BeamTransport-v0 with horizon 9"
     assert [(rate["worlds"], rate["threads"]) for rate in found["steps"]] == [(1, 1), (3, 1)]
     for rate in found["steps"]:
