@@ -1,5 +1,5 @@
-# make train | test | lint | kernels | docs | browse | links | bench | interop | matrix | soak | mutants: each makes .venv,
-# installs what it needs, and runs.
+# make train | test | lint | kernels | docs | browse | links | bench | interop | matrix | soak | mutants: each makes
+# .venv, installs what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
@@ -28,8 +28,8 @@ kernels: .venv/dev
 docs: .venv/dev
 	$(BIN)/python -m sphinx -q -W --keep-going -b html -c docs . build/site $(ARGS)
 
-browse: docs  # every page in chromium, where there is one
-	$(BIN)/python -m pytest -m "slow or not slow" tests/docs/test_browser.py $(ARGS)
+browse: docs  # a few seconds if nothing changed, then every page in chromium, where there is one
+	$(BIN)/python -m pytest -m "slow or not slow" tests/docs/test_browser.py
 
 links: .venv/dev  # out of the site; needs the net
 	$(BIN)/python -m sphinx -q -b linkcheck -c docs . build/links $(ARGS)
