@@ -18,7 +18,7 @@ OUTPUTS = (
         "values",
     ),  # of pushes: the largest is chosen; scores are logits of a choice as well
 )
-# Products of a matrix that OpenBLAS does by one thread (GEMM_MULTITHREAD_THRESHOLD of its build). For
+# Multiplications that OpenBLAS leaves to one thread (GEMM_MULTITHREAD_THRESHOLD of its build). For
 # more it wakes one a core; they wait for each other in a loop, which costs many times the product
 # where layers are as small as those of policies, most of all on a busy machine.
 SMALL = 2**18
