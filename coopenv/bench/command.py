@@ -126,9 +126,8 @@ def _calls() -> Iterator[tuple[str, float, float, float, float]]:
 
     for effectors, grips in GRIPS.items():
         times = times_of_calls(Decomposer(grips).compile(), drawn(grips, CALLS))
-        middle, rare = np.quantile(times.wall, (0.5, 0.999))
-        numbers = middle, rare, times.wall.max(), np.median(times.processor)
-        yield effectors, *map(float, numbers)
+        middle, rare, worst = np.quantile(times.wall, (0.5, 0.999, 1.0)).tolist()
+        yield effectors, middle, rare, worst, float(np.median(times.processor))
 
 
 def _table(title: str, columns: tuple[str, ...], rows: Any) -> "Table":

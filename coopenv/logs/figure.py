@@ -82,7 +82,7 @@ class Picture:
             self._title + note, fontsize="medium", y=1 - 0.12 / height, va="top", parse_math=False
         )  # a $ in the name of a file is no formula
         grid: Any = figure.subplots(
-            rows, 2, sharex=True, squeeze=False, gridspec_kw={**room, "hspace": 0.1, "wspace": 0.18}
+            rows, 2, sharex=True, squeeze=False, gridspec_kw={**room, "hspace": 0.1, "wspace": 0.27}
         )
         x, low, high, mean = self._envelope.curves()
         at = 0
