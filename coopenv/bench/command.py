@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 CALLS = 10_000  # of a control loop
 LONGEST = 60.0  # [s] for a figure
-STEP_COLUMNS = ("worlds", "threads", "steps/s", "a world and step [µs]", "of processors [µs]")
-SPLIT_COLUMNS = ("effectors", "at once", "samples/s", "a sample [µs]", "of processors [µs]")
-CALL_COLUMNS = ("loop", "median [µs]", "99.9 % [µs]", "worst [µs]", "of processors [µs]")
+STEP_COLUMNS = ("worlds", "threads", "steps/s", "a world and step [µs]", "processors [µs]")
+SPLIT_COLUMNS = ("effectors", "at once", "samples/s", "a sample [µs]", "processors [µs]")
+CALL_COLUMNS = ("loop", "median [µs]", "99.9 % [µs]", "worst [µs]", "processors [µs]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +135,8 @@ def _table(title: str, columns: tuple[str, ...], rows: Any) -> "Table":
     from rich.table import Table
     from rich.text import Text
 
-    made = Table(title=Text(title, "table.title"), title_justify="left", box=SIMPLE_HEAD)
+    look: dict[str, Any] = {"box": SIMPLE_HEAD, "show_edge": False, "collapse_padding": True}
+    made = Table(title=Text(f"\n{title}", "table.title"), title_justify="left", **look)
     for name in columns:
         made.add_column(name, justify="right", overflow="fold")
     for row in rows:
