@@ -1,12 +1,12 @@
-# make train | test | lint | kernels | docs | links | bench | interop | matrix | soak | mutants: each makes .venv,
-# installs what it needs, and runs.
+# make train | test | lint | kernels | docs | browse | links | bench | interop | matrix | soak | mutants: each makes
+# .venv, installs what it needs, and runs.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 EXTRAS_train := train,render
 EXTRAS_dev := dev,docs
 
-.PHONY: train test lint kernels docs links bench interop matrix soak mutants clean
+.PHONY: train test lint kernels docs browse links bench interop matrix soak mutants clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -27,6 +27,9 @@ kernels: .venv/dev
 
 docs: .venv/dev
 	$(BIN)/python -m sphinx -q -W --keep-going -b html -c docs . build/site $(ARGS)
+
+browse: docs  # a few seconds if nothing changed, then every page in chromium, where there is one
+	$(BIN)/python -m pytest -m "slow or not slow" tests/docs/test_browser.py
 
 links: .venv/dev  # out of the site; needs the net
 	$(BIN)/python -m sphinx -q -b linkcheck -c docs . build/links $(ARGS)

@@ -156,8 +156,7 @@ def table(evaluations: Sequence[Evaluation], title: str | None = None) -> "Table
         title_justify="left",
         box=SIMPLE_HEAD,
         show_edge=False,
-        collapse_padding=True,
-        pad_edge=False,
+        padding=0,  # so that names of policies stay whole in 80 letters
     )
     made.add_column("policy", min_width=11, overflow="fold")
     has_cost = any(not isnan(seen.cost) for seen in evaluations)

@@ -11,19 +11,22 @@ import numpy as np
 
 from benchmarks.pages import DOCS
 from coopenv.agents.controllers import find_controller
-from coopenv.agents.record import episode_pictures
+from coopenv.agents.record import episode_steps
 from coopenv.envs.registry import PREFIX, find_config
-from coopenv.render import save_png
+from coopenv.render import Renderer, save_png
 from coopenv.render.canvas import Picture
 
+WIDTH = 400  # [px] of a moment; what is written below it is still read where two take 600
 MOMENTS = (0.05, 0.3, 0.55, 1.0)  # parts of the episode, in reading order
 
 
 def strip(name: str) -> Picture:
     """Moments of the first held-out episode, two beside each other and two below."""
     config = find_config(name, {})
-    seen = episode_pictures(find_controller(config), config)
-    chosen = [seen[round(part * (len(seen) - 1))] for part in MOMENTS]
+    steps = episode_steps(find_controller(config), config)
+    conditions = steps[0].conditions
+    renderer = Renderer(conditions.bodies, conditions.scenes, width=WIDTH)
+    chosen = [renderer.picture(steps[round(part * (len(steps) - 1))]) for part in MOMENTS]
     return np.concatenate([np.concatenate(pair, axis=1) for pair in (chosen[:2], chosen[2:])])
 
 

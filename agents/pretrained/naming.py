@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from coopenv.errors import UnknownName
+from coopenv.errors import InvalidInput, UnknownName
 
 WORD = "pretrained"
 CONTROLS = ("joint", "shared")  # one policy of the team, or the same one for every agent
@@ -41,8 +41,19 @@ def expanded(name: str) -> tuple[str, ...]:
 
 
 def named(task: str, control: str | None = None) -> str:
-    """The name of the policy of a task, an id or such a name; that of the team by default."""
+    """The name of the policy of a task, an id or such a name; that of the team by default.
+
+    Raises
+    ------
+    InvalidInput
+        If no task is named, as by ``pretrained`` alone, which stands for all.
+    """
     wanted = _wanted(task if is_name(task) else f"{WORD}:{task}")
+    if not wanted.partition("/")[0]:
+        raise InvalidInput(
+            f"policy must be that of one task, got {task!r}; name one of {', '.join(shipped())}; "
+            "coopenv.agents.pretrained.names() lists them"
+        )
     whole = control is None and "/" in wanted
     return f"{WORD}:{wanted}" if whole else f"{WORD}:{wanted}/{control or CONTROLS[0]}"
 
@@ -60,7 +71,7 @@ def file_of(name: str | os.PathLike) -> Path:
         return Path(text)
     wanted, known = _wanted(text), shipped()
     if wanted not in known:
-        raise UnknownName("single pretrained policy", wanted, known)
+        raise UnknownName("single pretrained policy", wanted or text, known)
     return _HERE / f"{wanted.replace('/', '_')}.npz"
 
 

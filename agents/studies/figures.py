@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DPI = 110
-MARGINS = (0.85, 2.0, 0.55, 0.75)  # [in] left, right (legends), bottom, top
+DPI = 150
+PANEL = (1.75, 1.35)  # [in] so small that words are still read where a page is 600 px wide
+MARGINS = (0.85, 1.9, 0.55, 0.75)  # [in] left, right (legends), bottom, top
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#444444"  # after Okabe & Ito
 
 
@@ -175,7 +176,7 @@ def draw_trials(
         If matplotlib is not installed.
     """
     left, right, bottom, top = MARGINS
-    width, height = left + 2.9 * len(trials) + right, bottom + 1.55 * len(panels) + top
+    width, height = left + PANEL[0] * len(trials) + right, bottom + PANEL[1] * len(panels) + top
     figure, grid = new_figure(len(panels), len(trials), size=(width, height), layout=None)
     figure.subplots_adjust(  # by hand: a layout engine takes as long as everything else together
         left=left / width,
@@ -196,7 +197,7 @@ def draw_trials(
         if explained != (explained := row[-1].get_legend_handles_labels()[1]):
             legend_beside(row[-1])
     for axes, trial in zip(grid[0], trials, strict=True):
-        axes.set_title(trial.title)
+        axes.set_title(trial.title, fontsize="medium")
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
     figure.align_ylabels(grid[:, 0])

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from .figures import Panel, Trial, draw_panel, legend_beside, new_figure, save_figure, share_scale
 
-_LEFT, _PLOT, _LEGEND, _ROW, _TOP, _BOTTOM = 0.85, 3.6, 2.0, 1.5, 0.6, 0.55  # [in]
+_LEFT, _PLOT, _LEGEND, _ROW, _TOP, _BOTTOM = 0.85, 2.5, 1.9, 1.4, 0.6, 0.55  # [in]
 
 
 def draw_sheet(

@@ -18,6 +18,10 @@ OUTPUTS = (
         "values",
     ),  # of pushes: the largest is chosen; scores are logits of a choice as well
 )
+# Multiplications that OpenBLAS leaves to one thread (GEMM_MULTITHREAD_THRESHOLD of its build). For
+# more it wakes one a core; they wait for each other in a loop, which costs many times the product
+# where layers are as small as those of policies, most of all on a busy machine.
+SMALL = 2**18
 _LOG_STD = -20.0, 2.0  # of a spread that a layer gives, as Stable-Baselines3 bounds it
 
 
@@ -51,7 +55,13 @@ class Layer:
 
     def __call__(self, x: Rows) -> Rows:
         """Units of each row."""
-        return ACTIVATIONS[self.activation](x @ self.weight.T + self.bias)
+        units = np.empty((len(x), len(self.weight)), dtype=np.float32)
+        rows = max(1, SMALL // self.weight.size)
+        for first in range(0, len(x), rows):
+            part = slice(first, first + rows)
+            np.matmul(x[part], self.weight.T, out=units[part])
+        units += self.bias
+        return ACTIVATIONS[self.activation](units)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,8 +9,9 @@ step its median over the repeats counts.
 import numpy as np
 
 from benchmarks.pages import DOCS, markdown, show
-from benchmarks.speed.transport import REPEATS, full_steps, random_actions
+from benchmarks.speed.transport import REPEATS
 from coopenv import Transport
+from coopenv.bench import full_steps, random_actions
 
 PAGE = DOCS / "accuracy.md"
 ACTIONS = ("wrench", "motion", "impedance")  # the first is what the others stand beside

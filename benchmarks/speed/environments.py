@@ -5,8 +5,9 @@ import time
 import gymnasium
 import numpy as np
 
-from benchmarks.speed.transport import REPEATS, bare_step, full_step, median
+from benchmarks.speed.transport import REPEATS, bare_step, median
 from coopenv import Transport
+from coopenv.bench import full_step
 from coopenv.envs.registry import PREFIX, find_config
 
 SIZES = (256, 1024)

@@ -4,10 +4,11 @@ import time
 
 import numpy as np
 
-from benchmarks.speed.transport import REPEATS, bare_steps, full_steps, random_actions
+from benchmarks.speed.transport import REPEATS, bare_steps
 from coopenv import Transport, TransportTask
 from coopenv.agents.partners import PARTNERS
 from coopenv.arrays import FloatArray
+from coopenv.bench import full_steps, random_actions
 from coopenv.envs.registry import PREFIX, find_config
 
 WORLDS = 1024

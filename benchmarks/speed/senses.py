@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from benchmarks.speed.transport import REPEATS, bare_step, full_step, median
+from benchmarks.speed.transport import REPEATS, bare_step, median
 from coopenv import Box, Scene, Sensor, Transport
+from coopenv.bench import full_step
 from coopenv.observation import DEFAULT_BLOCKS
 
 SIZES = (256, 1024)

@@ -11,9 +11,10 @@ import numpy as np
 import torch
 from torchrl.envs import EnvBase, PettingZooWrapper, SerialEnv
 
-from benchmarks.speed.transport import REPEATS, full_steps, median, random_actions
+from benchmarks.speed.transport import REPEATS, median
 from coopenv import Transport, TransportTask, beam_transport_v0
 from coopenv.agents import torchrl
+from coopenv.bench import full_steps, random_actions
 
 SIZES = (64, 256, 1024)
 TARGETS = {256: 2.0, 1024: 1.5}  # of a step in TorchRL to `Transport.step`

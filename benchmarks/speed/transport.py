@@ -23,7 +23,7 @@ import pymunk.batch as batch
 
 from benchmarks.pages import markdown, show
 from coopenv import Transport, beam_transport_v0
-from coopenv.arrays import FloatArray
+from coopenv.bench import full_step
 from coopenv.compiled.parallel.crew import cores
 
 SIZES = (1, 16, 64, 256, 1024, 4096, 16_384)
@@ -73,29 +73,6 @@ def compare(num_worlds: int) -> Row:
         ratio=median(np.divide(times["one"], times["bare"])),
         vmas=median(times["vmas"]) if "vmas" in times else None,
     )
-
-
-def full_step(core: Transport, steps: int) -> float:
-    """Seconds a batched control step of a team that acts at random."""
-    return sum(full_steps(core, random_actions(core, steps))) / steps
-
-
-def full_steps(core: Transport, actions: FloatArray) -> Iterator[float]:
-    """Seconds of each batched control step, resets of ended worlds included."""
-    core.reset(seed=0)
-    for action in actions:
-        began = time.perf_counter()
-        *_, terminated, truncated, _ = core.step(action)
-        ended = terminated | truncated
-        if ended.any():
-            core.reset(mask=ended)
-        yield time.perf_counter() - began
-
-
-def random_actions(core: Transport, steps: int) -> FloatArray:
-    """``(step, world, learner, action_size)``."""
-    shape = (steps, core.num_worlds, len(core.learners), core.action_size)
-    return np.random.default_rng(0).uniform(-1, 1, shape)
 
 
 def bare_step(core: Transport, substeps: int, steps: int) -> float:

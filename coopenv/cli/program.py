@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 from coopenv.agents.pretrained.command import Export
+from coopenv.bench.command import Bench
 from coopenv.cli import terminal, version
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.experiment import Report, RunExperiment, Sweep
@@ -67,6 +68,7 @@ COMMANDS: dict[str, type[Command]] = {
     "study": Study,
     "decompose": Decompose,
     "inspect": Inspect,
+    "bench": Bench,
     "warmup": Warmup,
     "completion": Completion,
 }
@@ -74,7 +76,7 @@ GROUPS: dict[str, tuple[str, ...]] = {  # in the help of the program
     "learn": ("train", "evaluate", "export", "experiment", "sweep", "report"),
     "look": ("show", "replay", "study"),
     "recordings": ("decompose", "inspect"),
-    "machine": ("warmup", "completion"),
+    "machine": ("bench", "warmup", "completion"),
 }
 
 

@@ -45,7 +45,7 @@ class Replay:
     episode: int = 1
     """Of a policy: which of the evaluation's episodes; the first is 1."""
     mosaic: int = 1
-    """Of a policy: so many episodes from that one on, side by side, without time series."""
+    """Of a policy: so many episodes from that one on, side by side."""
     trust: bool = False
     """Of a policy: run what its file holds, and import the module of its environment."""
     trial: int = 1
@@ -73,6 +73,8 @@ class Replay:
     """How many times faster than life."""
     fps: float = 20.0
     """Pictures a second; a GIF has at most 50, and whole hundredths of a second between them."""
+    series: bool = True
+    """Show γ, F_I, T_I and load shares beside the scene, of a mosaic beside each."""
     width: int = 480
     """Of the scene [px]; the time series beside it have 0.85 of it."""
     out: Path | None = None
@@ -82,7 +84,7 @@ class Replay:
     examples: ClassVar[tuple[str, ...]] = (
         "coopenv replay scripted --env coopenv/BeamDoorway-v0 --partner follower",
         "coopenv replay runs/policy.zip --episode 3 --out episode.mp4",
-        "coopenv replay scripted --mosaic 9 --width 240",
+        "coopenv replay scripted --mosaic 9 --width 240 --no-series",
         "coopenv replay trial.csv --grips -0.9 0 0.9 0 --speed 0.5 --start 2 --end 8",
     )
 
@@ -179,9 +181,10 @@ class Replay:
                 for k in range(count)
             ]
         shown = _shown_episodes(episodes, first, self.seed, f"{self.what} in {title}")
+        how: dict[str, Any] = {"pace": pace, "width": self.width, "series": self.series}
         if count > 1:
-            return film_of_episodes(episodes, pace=pace, width=self.width), shown
-        return film_of_episode(episodes[0], pace=pace, width=self.width), shown
+            return film_of_episodes(episodes, **how), shown
+        return film_of_episode(episodes[0], **how), shown
 
     def _of_recording(self, pace: "Pace") -> tuple["Frames", Shown]:
         """A trial of a recording."""
@@ -193,7 +196,8 @@ class Replay:
         said = {name: value for name, value in named.items() if value is not None}
         layout = Layout.load(self.layout, columns=parse_mapping(self.map), **said)
         chosen = trial.Part(number=self.trial, start=self.start, end=self.end)
-        return trial.film(file, layout, chosen, pace, bad_rows=self.bad_rows, width=self.width)
+        how: dict[str, Any] = {"width": self.width, "series": self.series}
+        return trial.film(file, layout, chosen, pace, bad_rows=self.bad_rows, **how)
 
 
 def _shown_episodes(

@@ -12,9 +12,8 @@ from coopenv.errors import InvalidInput
 if TYPE_CHECKING:
     from coopenv.logs import Analysis, Layout, Recording
     from coopenv.render.film import Frames
+    from coopenv.render.recorded import RecordedScene
     from coopenv.render.replay import Measures, Pace
-    from coopenv.render.space import SpaceStage
-    from coopenv.render.stage import Stage
 
 LEVELS = ("relative_cost", "internal_force_level", "internal_torque_level")
 SHARES = ("force_load_share", "torque_load_share")
@@ -37,7 +36,14 @@ class Part:
 
 
 def film(
-    file: Path, layout: "Layout", part: Part, pace: "Pace", *, bad_rows: str, width: int
+    file: Path,
+    layout: "Layout",
+    part: Part,
+    pace: "Pace",
+    *,
+    bad_rows: str,
+    width: int,
+    series: bool,
 ) -> tuple["Frames", Shown]:
     """The pictures, and what there is to say of them.
 
@@ -60,7 +66,8 @@ def film(
     time = chosen.time
     assert time is not None
     stage, where = _stage(chosen, _internal(analysis, chosen), width)
-    frames = film_of_recording(time, stage, _measures(analysis, chosen.num_effectors), pace=pace)
+    measures = _measures(analysis, chosen.num_effectors)
+    frames = film_of_recording(time, stage, measures, pace=pace, series=series)
     seconds, rows = float(time[-1] - time[0]), len(time)
     said = f"trial {part.number} of {trials}, {seconds:.2f} s, {rows} rows{where}"
     trial = {"trial": part.number, "trials": trials, "seconds": seconds, "rows": rows}
@@ -97,9 +104,7 @@ def _part(file: Path, recording: "Recording", part: Part, trials: int) -> "Recor
     return recording.take(rows)
 
 
-def _stage(
-    recording: "Recording", internal: FloatArray, width: int
-) -> tuple["Stage | SpaceStage", str]:
+def _stage(recording: "Recording", internal: FloatArray, width: int) -> tuple["RecordedScene", str]:
     """Where it is drawn; what of the pose is not recorded is 0, which is said."""
     from coopenv.logs.convert import rotations
     from coopenv.render.space import SpaceStage

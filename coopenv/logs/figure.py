@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 COMPONENTS = 6  # lines that a panel bears; with more, norms are drawn
 MARKED_TRIALS = 60  # more are not marked
 STYLES = ("-", "--", ":")
+COLOURS = ("#0072B2", "#F0AA14", "#CC79A7", "#009E73", "#56B4E9", "#F0E442")  # as agents' in films
+INTERNAL = "#D55E00"
+DPI = 150
 
 
 class Curve(NamedTuple):
@@ -70,16 +73,16 @@ class Picture:
         from matplotlib.figure import Figure
 
         rows = (len(self._panels) + 1) // 2
-        height = 1.0 + 2.0 * rows  # [inch]
-        figure = Figure(figsize=(14, height))
-        room = {"bottom": 0.55 / height, "top": 1 - 0.45 / height, "left": 0.065, "right": 0.99}
+        height = 1.0 + 1.5 * rows  # [inch]
+        figure = Figure(figsize=(10, height))
+        room = {"bottom": 0.55 / height, "top": 1 - 0.45 / height, "left": 0.09, "right": 0.99}
         every = self._envelope.rows_a_bin
         note = f"; lines: means, bands: extremes of {every} rows each" * (every > 1)
         figure.suptitle(
             self._title + note, fontsize="medium", y=1 - 0.12 / height, va="top", parse_math=False
         )  # a $ in the name of a file is no formula
         grid: Any = figure.subplots(
-            rows, 2, sharex=True, squeeze=False, gridspec_kw={**room, "hspace": 0.1, "wspace": 0.13}
+            rows, 2, sharex=True, squeeze=False, gridspec_kw={**room, "hspace": 0.1, "wspace": 0.27}
         )
         x, low, high, mean = self._envelope.curves()
         at = 0
@@ -91,7 +94,7 @@ class Picture:
             at = chosen.stop
         for axes in grid[-1]:
             axes.set_xlabel(self._axis.label)
-        figure.savefig(path, format="png", dpi=110)
+        figure.savefig(path, format="png", dpi=DPI)
 
 
 def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
@@ -105,20 +108,20 @@ def panels(num_effectors: int, dimension: int, twist: bool) -> list[Panel]:
         for kind, unit in (("f", "force [N]"), ("t", "torque [N·m]")):
             curves = _wrench_curves(prefix, kind, num_effectors, dimension)
             made.append(Panel(f"{name}\n{unit}", curves))
-    made.append(Panel("F_I [N]", [Curve("", ("internal_force_level",), "C3")]))
-    made.append(Panel("T_I [N·m]", [Curve("", ("internal_torque_level",), "C3")]))
+    made.append(Panel("F_I [N]", [Curve("", ("internal_force_level",), INTERNAL)]))
+    made.append(Panel("T_I [N·m]", [Curve("", ("internal_torque_level",), INTERNAL)]))
     made.append(Panel("force load share", _shares("force_load_share", num_effectors), True))
     made.append(Panel("torque load share", _shares("torque_load_share", num_effectors), True))
-    made.append(Panel("relative cost γ", [Curve("", ("relative_cost",), "C3")], True))
+    made.append(Panel("relative cost γ", [Curve("", ("relative_cost",), INTERNAL)], True))
     costs = [
         Curve("J(h), applied", ("applied_cost",), "0.5"),
-        Curve("J(h_M)", ("cost",), "C3"),
-        Curve("wasted", ("wasted_cost",), "C0"),
+        Curve("J(h_M)", ("cost",), INTERNAL),
+        Curve("wasted", ("wasted_cost",), COLOURS[0]),
     ]
     made.append(Panel("cost [N]", costs))
     if twist:
         made.append(Panel("energy share", _shares("energy_share", num_effectors), True))
-        made.append(Panel("internal power [W]", [Curve("", ("internal_power",), "C3")]))
+        made.append(Panel("internal power [W]", [Curve("", ("internal_power",), INTERNAL)]))
     return made
 
 
@@ -127,19 +130,23 @@ def _wrench_curves(prefix: str, kind: str, num_effectors: int, dimension: int) -
     groups = effector_names(kind, num_effectors, dimension)
     if sum(map(len, groups)) > COMPONENTS:
         return [
-            Curve(f"‖{kind}{i + 1}‖", tuple(prefix + name for name in group), f"C{i % 10}")
+            Curve(f"‖{kind}{i + 1}‖", tuple(prefix + name for name in group), _colour(i))
             for i, group in enumerate(groups)
         ]
     return [
-        Curve(name, (prefix + name,), f"C{i}", STYLES[j])
+        Curve(name, (prefix + name,), _colour(i), STYLES[j])
         for i, group in enumerate(groups)
         for j, name in enumerate(group)
     ]
 
 
+def _colour(effector: int) -> str:
+    return COLOURS[effector % len(COLOURS)]
+
+
 def _shares(name: str, num_effectors: int) -> list[Curve]:
     return [
-        Curve(f"effector {i + 1}", (f"{name}_{i + 1}",), f"C{i % 10}") for i in range(num_effectors)
+        Curve(f"effector {i + 1}", (f"{name}_{i + 1}",), _colour(i)) for i in range(num_effectors)
     ]
 
 

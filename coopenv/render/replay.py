@@ -1,6 +1,6 @@
 """Films of episodes and of recorded trials: the scene, and beside it its time series."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,15 +9,16 @@ from coopenv.arrays import FloatArray, whole
 from coopenv.errors import InvalidInput
 from coopenv.render.canvas import Picture
 from coopenv.render.film import PAUSE, Frames, beside, mosaic, rows_at
+from coopenv.render.recorded import RecordedScene
 from coopenv.render.renderer import Renderer
 from coopenv.render.series import Series, measure_panels
-from coopenv.render.space import SpaceStage
-from coopenv.render.stage import Stage
 from coopenv.transition import Transition
 
 WIDTH = 480  # [px] of the scene
 SERIES = 0.85  # width of the series, per the scene's
 LEAST, MOST = 160, 4096  # [px]
+
+Draw = Callable[[int], Picture]  # the picture of a row
 
 
 class Pace(NamedTuple):
@@ -41,7 +42,12 @@ class Measures(NamedTuple):
 
 
 def film_of_episode(
-    steps: Sequence[Transition], *, pace: Pace = LIFE, width: int = WIDTH, world: int = 0
+    steps: Sequence[Transition],
+    *,
+    pace: Pace = LIFE,
+    width: int = WIDTH,
+    world: int = 0,
+    series: bool = True,
 ) -> Frames:
     """Pictures of an episode with γ, F_I, T_I and load shares beside the scene.
 
@@ -55,61 +61,80 @@ def film_of_episode(
         Of the scene [px].
     world
         Of the batch.
+    series
+        Whether the time series stand beside the scene.
     """
-    width = whole(width, "width", at_least=LEAST, at_most=MOST)
-    renderer = _renderer(steps, width, world)
-    time = np.array([step.next_state.time[world] for step in steps])
-    first = renderer.picture(steps[0])
-    series = _series(time, _measures_of(steps, world), width, len(first))
-
-    def draw(row: int) -> Picture:
-        return beside(renderer.picture(steps[row]), series.picture(row))
-
+    time = _times(steps, world)
+    draw = _drawn(steps, time, width, world, series)
     return Frames(draw, rows_at(time, fps=pace.fps, speed=pace.speed, pause=PAUSE))
 
 
 def film_of_episodes(
-    episodes: Sequence[Sequence[Transition]], *, pace: Pace = LIFE, width: int = WIDTH
+    episodes: Sequence[Sequence[Transition]],
+    *,
+    pace: Pace = LIFE,
+    width: int = WIDTH,
+    series: bool = True,
 ) -> Frames:
-    """Pictures of several episodes in a mosaic; those that have ended wait for the others."""
-    width = whole(width, "width", at_least=LEAST, at_most=MOST)
+    """Pictures of several episodes in a mosaic, each scene with its time series beside it.
+
+    Those that have ended wait for the others.
+    """
     if not episodes:
         raise InvalidInput("episodes must be at least one, got none; run one first")
-    renderers = [_renderer(steps, width, 0) for steps in episodes]
-    times = [np.array([step.next_state.time[0] for step in steps]) for steps in episodes]
+    times = [_times(steps, 0) for steps in episodes]
+    drawn = [
+        _drawn(steps, time, width, 0, series) for steps, time in zip(episodes, times, strict=True)
+    ]
     longest = max(times, key=lambda time: time[-1])
 
     def draw(row: int) -> Picture:
-        moment = longest[row]
-        tiles = []
-        for renderer, steps, time in zip(renderers, episodes, times, strict=True):
-            now = int(np.searchsorted(time, moment + 1e-9, side="right")) - 1
-            tiles.append(renderer.picture(steps[now]))
-        return mosaic(tiles)
+        moment = longest[row] + 1e-9
+        now = [int(np.searchsorted(time, moment, side="right")) - 1 for time in times]
+        return mosaic([one(k) for one, k in zip(drawn, now, strict=True)])
 
     return Frames(draw, rows_at(longest, fps=pace.fps, speed=pace.speed, pause=PAUSE))
 
 
 def film_of_recording(
     time: FloatArray,
-    stage: Stage | SpaceStage,
+    stage: RecordedScene,
     measures: Measures,
     *,
     pace: Pace = LIFE,
+    series: bool = True,
 ) -> Frames:
     """Pictures of a recorded trial, its time series beside it; ``time`` ``(T,)`` [s]."""
     height, width = stage.size
-    series = _series(time, measures, width, height)
-
-    def draw(row: int) -> Picture:
-        return beside(stage.picture(row), series.picture(row))
-
+    panels = _series(time, measures, width, height) if series else None
+    draw = stage.picture if panels is None else _both(stage.picture, panels)
     return Frames(draw, rows_at(time, fps=pace.fps, speed=pace.speed, pause=PAUSE))
 
 
-def _renderer(steps: Sequence[Transition], width: int, world: int) -> Renderer:
+def _drawn(
+    steps: Sequence[Transition], time: FloatArray, width: int, world: int, series: bool
+) -> Draw:
+    """What draws a step of an episode."""
+    width = whole(width, "width", at_least=LEAST, at_most=MOST)
     conditions = steps[0].conditions
-    return Renderer(conditions.bodies, conditions.scenes, width=width, world=world)
+    renderer = Renderer(conditions.bodies, conditions.scenes, width=width, world=world)
+
+    def scene(row: int) -> Picture:
+        return renderer.picture(steps[row])
+
+    if not series:
+        return scene
+    return _both(scene, _series(time, _measures_of(steps, world), width, len(scene(0))))
+
+
+def _both(scene: Draw, series: Series) -> Draw:
+    """What draws a scene and its time series beside it."""
+    return lambda row: beside(scene(row), series.picture(row))
+
+
+def _times(steps: Sequence[Transition], world: int) -> FloatArray:
+    """``(T,)`` [s]."""
+    return np.array([step.next_state.time[world] for step in steps])
 
 
 def _series(time: FloatArray, measures: Measures, width: int, height: int) -> Series:

@@ -8,10 +8,8 @@ from math import ceil
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
-from coopenv.errors import InvalidInput
+from coopenv.arrays import FloatArray
 from coopenv.render.canvas import Pen, Picture, around, arrow
-from coopenv.render.floor import Floor
 from coopenv.render.look import (
     APPLIED,
     BODY,
@@ -27,10 +25,10 @@ from coopenv.render.look import (
     SHAFT,
     agent_color,
 )
+from coopenv.render.recorded import RecordedScene
 
 AZIMUTH, ELEVATION = np.radians((-60.0, 25.0))  # [rad] from where it is looked at
 THICKNESS = 0.08  # of the spokes drawn, per its reach
-REACH = 0.1  # [m] of an object whose grips are all at its centre of mass
 ARC = 0.28  # [reach] radius of the arrow that stands for a torque
 
 
@@ -46,7 +44,7 @@ def view(azimuth: float = AZIMUTH, elevation: float = ELEVATION) -> FloatArray:
     return np.array([[-s, c, 0.0], [-c * high, -s * high, low]])
 
 
-class SpaceStage:
+class SpaceStage(RecordedScene):
     """Draws rows of a recording in space.
 
     What was held is not recorded: it is drawn as spokes from the centre of mass to the grips.
@@ -82,44 +80,14 @@ class SpaceStage:
         *,
         width: int = 480,
     ):
+        pose = np.concatenate([position, rotation.reshape(len(position), -1)], axis=1)
+        columns = "x, y, z and qw, qx, qy, qz"
+        super().__init__(pose, grips, applied, internal, pose_columns=columns)
         self._position, self._rotation = position, rotation
-        self._grips = np.broadcast_to(grips, (*applied.shape[:2], 3))
-        self._wrenches = np.nan_to_num(np.stack([applied, internal]))  # nothing drawn where bad
-        rows = len(position)
-        parts = [position, rotation.reshape(rows, -1), self._grips.reshape(rows, -1)]
-        self._known: BoolArray = np.all(np.isfinite(np.concatenate(parts, axis=1)), axis=1)
-        if not self._known.any():
-            raise InvalidInput(
-                "pose must be finite in some rows, got none; correct the recording's x, y, z and "
-                "qw, qx, qy, qz"
-            )
-        self._reach = float(np.linalg.norm(self._grips[self._known], axis=-1).max()) or REACH
         self._view = view()
         known = position[self._known]
         self._bottom = float(known[:, 2].min()) - self._reach  # of the floor [m]
-        below = self._below(known)
-        seen = np.concatenate([known, below]) @ self._view.T
-        self._floor = Floor(seen, self._reach, width)
-        self._canvas, self._unit = self._floor.canvas, self._floor.unit
-        sizes = np.linalg.norm(self._wrenches[0].reshape(-1, 2, 3), axis=-1)
-        self._largest = float(sizes[:, 0].max()), float(sizes[:, 1].max())
-        self._background = self._paint()
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Height and width of a picture [px]."""
-        return self._floor.size
-
-    def picture(self, row: int) -> Picture:
-        """A row, ``(height, width, 3)`` uint8; of one without a pose the floor alone."""
-        self._canvas.pixels[:] = self._background
-        if self._known[row]:
-            center, turn = self._position[row], self._rotation[row]
-            grips = center + self._grips[row] @ turn.T
-            self._draw_object(center, grips)
-            for agent in self._far_first(grips):
-                self._draw_wrench(agent, grips[agent], self._wrenches[:, row, agent], turn)
-        return self._canvas.pixels.copy()
+        self._lay_floor(np.concatenate([known, self._below(known)]) @ self._view.T, width)
 
     def _seen(self, points: object) -> FloatArray:
         """Points of the world frame [m] in the picture [px]."""
@@ -158,6 +126,13 @@ class SpaceStage:
         step = self._floor.step
         line = self._seen([(step * x, step * y, self._bottom) for x, y in ends])
         pen.line(line, max(self._unit, 1), GRID)
+
+    def _draw(self, row: int) -> None:
+        center, turn = self._position[row], self._rotation[row]
+        grips = center + self._grips[row] @ turn.T
+        self._draw_object(center, grips)
+        for agent in self._far_first(grips):
+            self._draw_wrench(agent, grips[agent], self._wrenches[:, row, agent], turn)
 
     def _draw_object(self, center: FloatArray, grips: FloatArray) -> None:
         unit, hub = self._unit, self._seen(center)

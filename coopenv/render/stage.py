@@ -4,11 +4,9 @@ from math import ceil, floor
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, FloatArray
-from coopenv.errors import InvalidInput
+from coopenv.arrays import FloatArray
 from coopenv.geometry.frames import moved
 from coopenv.render.canvas import Picture, around
-from coopenv.render.floor import Floor
 from coopenv.render.look import (
     BODY,
     EDGE,
@@ -20,12 +18,12 @@ from coopenv.render.look import (
     chevron,
     draw_wrenches,
 )
+from coopenv.render.recorded import RecordedScene
 
 THICKNESS = 0.12  # of the object drawn, per its reach
-REACH = 0.1  # [m] of an object whose grips are all at its centre of mass
 
 
-class Stage:
+class Stage(RecordedScene):
     """Draws rows of a recording.
 
     What was held is not recorded, so it is drawn as its grips tell: a bar through the grips
@@ -58,35 +56,9 @@ class Stage:
         *,
         width: int = 480,
     ):
+        super().__init__(pose, grips, applied, internal, pose_columns="x, y, theta")
         self._pose = pose
-        self._grips = np.broadcast_to(grips, (*applied.shape[:2], 2))
-        self._wrenches = np.nan_to_num(np.stack([applied, internal]))  # nothing drawn where bad
-        numbers = np.concatenate([pose, self._grips.reshape(len(pose), -1)], axis=1)
-        self._known: BoolArray = np.all(np.isfinite(numbers), axis=1)
-        if not self._known.any():
-            raise InvalidInput(
-                "pose must be finite in some rows, got none; correct the recording's x, y, theta"
-            )
-        self._reach = float(np.linalg.norm(self._grips[self._known], axis=-1).max()) or REACH
-        self._floor = Floor(self._pose[self._known, :2], self._reach, width)
-        self._canvas, self._unit = self._floor.canvas, self._floor.unit
-        forces = np.hypot(*self._wrenches[0, ..., :2].reshape(-1, 2).T)
-        self._largest = float(forces.max()), float(np.abs(self._wrenches[0, ..., 2]).max())
-        self._background = self._paint()
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Height and width of a picture [px]."""
-        return self._floor.size
-
-    def picture(self, row: int) -> Picture:
-        """A row, ``(height, width, 3)`` uint8; of one without a pose the floor alone."""
-        self._canvas.pixels[:] = self._background
-        if self._known[row]:
-            grips = self._floor.pixels(moved(self._grips[row], self._pose[row]))
-            self._draw_object(row, grips)
-            self._draw_wrenches(row, grips)
-        return self._canvas.pixels.copy()
+        self._lay_floor(pose[self._known, :2], width)
 
     def _paint(self) -> Picture:
         """Floor, grid, the way of the centre of mass, legend."""
@@ -107,6 +79,11 @@ class Stage:
             pen.line(way[moves], 1.4 * unit, MARK)
         self._floor.write_legend(*self._largest)
         return canvas.pixels.copy()
+
+    def _draw(self, row: int) -> None:
+        grips = self._floor.pixels(moved(self._grips[row], self._pose[row]))
+        self._draw_object(row, grips)
+        self._draw_wrenches(row, grips)
 
     def _draw_object(self, row: int, grips: FloatArray) -> None:
         pose, unit = self._pose[row], self._unit

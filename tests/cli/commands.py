@@ -12,6 +12,7 @@ LEAST: dict[str, list[str]] = {
     "study": ["beam"],
     "decompose": ["trial.csv"],
     "inspect": ["trial.csv"],
+    "bench": [],
     "warmup": [],
     "completion": ["bash"],
 }

@@ -19,6 +19,17 @@ handler=$(complete -p coopenv | sed 's/.*-F \\([^ ]*\\).*/\\1/')
 $handler
 printf '%s\\n' "${COMPREPLY[@]}"
 """
+ZSH = r"""
+zmodload zsh/zpty
+zpty shell 'TERM=dumb exec zsh -f -i'
+zpty -w shell "PROMPT= RPROMPT= LISTMAX=100000 COLUMNS=200"
+zpty -w shell "fpath=($1 \$fpath); autoload -Uz compinit; compinit -u -D; print REA''DY"
+zpty -m -r shell line '*READY*'
+zpty -w -n shell "$2"$'\t\t'
+zpty -m -r shell seen "*$3*"
+print -r -- "$seen"
+zpty -d shell
+"""  # in a terminal of its own; comes back when what is waited for is there
 FISH = 'source $argv[1]; complete -C "$argv[2]"'
 
 
@@ -61,8 +72,20 @@ def test_bash_offers_commands_options_and_choices(words, offered, others, script
 
 
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="there is no zsh")
-def test_zsh_reads_its_script(scripts):
-    answered(["zsh", "-n", str(scripts["zsh"])])
+@pytest.mark.parametrize(
+    ("typed", "offered", "others"),
+    [
+        ("coopenv re", "replay*report", "train"),
+        ("coopenv evaluate --ep", "--episodes", "--seed"),
+        ("coopenv train --control sh", "shared", "joint"),
+    ],
+)
+def test_zsh_offers_commands_options_and_choices(typed, offered, others, scripts, tmp_path):
+    shutil.copy(scripts["zsh"], tmp_path / "_coopenv")
+    command = ["zsh", "-f", "-c", ZSH, "zsh", str(tmp_path), typed, offered]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert others not in done.stdout
 
 
 @pytest.mark.skipif(shutil.which("fish") is None, reason="there is no fish")

@@ -182,6 +182,21 @@ def test_an_experiment_and_its_report_say_the_same(tmp_path, monkeypatch, capsys
     assert success["low"] <= success["value"] <= success["high"]
 
 
+def test_a_bench_has_a_rate_for_each_batch(monkeypatch, capsys):
+    monkeypatch.setattr("coopenv.bench.SPLITS", (("a pair in the plane", 1),))
+    monkeypatch.setattr("coopenv.bench.command.CALLS", 20)
+    line = ["bench", "--num-worlds", "1", "3", "--threads", "1", "--seconds=0.01", "--horizon=9"]
+    found = asked(line, capsys, "a world and step")
+    assert found["environment"] == "coopenv/BeamTransport-v0 with horizon 9"
+    assert [(rate["worlds"], rate["threads"]) for rate in found["steps"]] == [(1, 1), (3, 1)]
+    for rate in found["steps"]:
+        assert rate["steps_per_second"] * rate["microseconds"] == pytest.approx(1e6)
+    (split,) = found["decompositions"]
+    assert split["samples_per_second"] * split["microseconds"] == pytest.approx(1e6)
+    for call in found["calls"]:
+        assert 0 < call["median"] <= call["rare"] <= call["worst"]
+
+
 def test_warming_up_says_how_long_it_took(monkeypatch, capsys):
     monkeypatch.setattr("coopenv.warming.warmup", lambda report: Warmed(3, 1.25, None))
     found = asked(["warmup"], capsys, "3 functions compiled")

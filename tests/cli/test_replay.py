@@ -60,7 +60,14 @@ def test_several_episodes_make_a_mosaic(tmp_path, capsys):
     printed = capsys.readouterr().out
     for episode in (2, 3, 4):
         assert f"episode {episode} of evaluation 0: no success" in printed
-    assert seen(tmp_path / "a/m.gif")[1][0] == 2 * 160
+    assert seen(tmp_path / "a/m.gif")[1][0] == 2 * (160 + 136)
+
+
+def test_the_time_series_can_be_left_out(trial, tmp_path):
+    assert run("random", "--mosaic", 3, "--no-series", "--out", "m.gif", *SHORT) == 0
+    assert seen(tmp_path / "m.gif")[1][0] == 2 * 160
+    assert run(trial, *GRIPS, "--end", 0.03, "--no-series", "--width", 160) == 0
+    assert seen(trial.with_name("trial.replay.gif"))[1][0] == 160
 
 
 def test_a_trial_of_a_recording_is_a_film_beside_it(trial, capsys):

@@ -103,6 +103,8 @@ def test_load_takes_a_task_an_id_a_name_or_a_file():
         assert other.notes == wanted.notes
     with pytest.raises(InvalidInput, match="control must be one of joint, shared, got 'team'"):
         load("BeamTransport", "team")
+    with pytest.raises(InvalidInput, match="policy must be that of one task, got 'pretrained'"):
+        load("pretrained")
     with pytest.raises(InvalidInput, match="control must be left out beside a file"):
         load(file("BeamTransport/joint"), "joint")
 
@@ -121,7 +123,7 @@ def test_one_drives_the_partner_of_an_environment():
 
 
 def test_what_names_several_policies_or_none_is_no_partner():
-    for name, match in (("pretrained", "single pretrained policy"), ("pretrained:No", "got 'No'")):
+    for name, match in (("pretrained", "got 'pretrained'"), ("pretrained:No", "got 'No'")):
         with pytest.raises(UnknownName, match=match):
             TransportConfig(partner=name)
 

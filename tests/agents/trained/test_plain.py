@@ -16,6 +16,7 @@ from coopenv.agents import load
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.settings import find_config
 from coopenv.agents.trained import PlainPolicy, read_notes
+from coopenv.agents.trained.network import SMALL, Layer
 from coopenv.agents.trained.normalization import Normalization
 from coopenv.agents.trained.record import RECORD, check_trained_on
 from coopenv.errors import InvalidInput
@@ -63,6 +64,16 @@ def test_what_was_saved_acts_alike_and_is_saved_as_the_same_bytes(file, tmp_path
     )
     again.save(tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == file.read_bytes()
+
+
+@pytest.mark.parametrize("rows", [1, 63, 64, 65, 1000])
+def test_layers_of_many_rows_are_what_each_row_alone_comes_to(rows):
+    rng = np.random.default_rng(0)
+    weight, x = (rng.normal(size=(n, 64)).astype(np.float32) for n in (64, rows))
+    layer = Layer(weight=weight, bias=weight[:, 0], activation="tanh")
+    assert SMALL // weight.size == 64  # rows that are multiplied at once
+    wanted = np.tanh(np.einsum("ri,ui->ru", x, weight) + weight[:, 0])
+    np.testing.assert_allclose(layer(x), wanted, atol=1e-5)
 
 
 def test_sampled_actions_repeat_and_do_not_depend_on_the_worlds_beside(file):
