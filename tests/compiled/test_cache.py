@@ -1,9 +1,12 @@
 """The cache on disk: whose kernels it keeps, and what a write that was broken off leaves."""
 
+import sys
+from importlib import import_module
+
 import pytest
 
 from coopenv.compiled import cache
-from coopenv.compiled.dependencies import KERNELS, is_constant
+from coopenv.compiled.dependencies import KERNELS, is_constant, stamp
 
 
 def test_the_cache_is_for_kernels_of_ours_alone():
@@ -31,3 +34,23 @@ def test_a_write_that_is_broken_off_leaves_nothing(tmp_path):
 def test_a_kernel_depends_on_numbers_and_on_tuples_of_nothing_else():
     assert all(map(is_constant, (1, 0.5, (1, (2.0, True)))))
     assert not any(map(is_constant, ("word", (1, "word"), ((1, object()), 2), [1])))
+
+
+def test_a_named_tuple_that_changes_after_its_import_stamps_nothing_twice_alike(
+    tmp_path, monkeypatch
+):
+    monkeypatch.syspath_prepend(tmp_path)
+    tuples = tmp_path / "tuples_alone.py"  # without a function whose file would be noted
+    tuples.write_text("from typing import NamedTuple\nclass Pair(NamedTuple):\n    a: float\n")
+    (tmp_path / "tuples_used.py").write_text(
+        "from tuples_alone import Pair\nfrom coopenv.compiled import compiled\n"
+        "@compiled\ndef first(x):\n    return Pair(x).a\n"
+    )
+    first = import_module("tuples_used").first.py_func
+    try:
+        assert stamp(first, 0) == stamp(first, 0)
+        tuples.write_text(tuples.read_text() + "    b: float\n")
+        assert stamp(first, 0) != stamp(first, 0)  # what was imported is in no file any more
+    finally:
+        for name in ("tuples_used", "tuples_alone"):
+            sys.modules.pop(name)

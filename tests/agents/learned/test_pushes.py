@@ -86,3 +86,10 @@ def test_one_agent_of_its_own_has_a_row_of_one_push():
     for done in (gymnasium.spaces.MultiDiscrete([7]), gymnasium.spaces.Discrete(7)):
         made = spaces_of(seen, done, "PPO")
         assert (made.pushes, made.actions) == (7, 1)
+
+
+def test_a_feature_is_bounded_that_has_a_bound_on_either_side():
+    low, high = (np.float32([-np.inf, 0, -np.inf, 0]), np.float32([np.inf, np.inf, 1, 1]))
+    seen = gymnasium.spaces.Box(low, high)
+    made = spaces_of(seen, gymnasium.spaces.Discrete(7), "PPO")
+    assert made.bounded.tolist() == [False, True, True, True]
