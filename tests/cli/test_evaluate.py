@@ -259,19 +259,17 @@ def test_a_folder_of_a_run_is_told_which_file_to_give(files, capsys):
 
 
 @pytest.mark.skipif(not DESCRIPTORS.is_dir(), reason="the system does not list what is open")
-@pytest.mark.parametrize("name", ["steps.csv", "steps.npz", "steps.parquet"])
 def test_a_record_is_closed_before_it_is_removed_where_the_evaluation_breaks_off(
-    name, tmp_path, monkeypatch
+    tmp_path, monkeypatch
 ):
     def broken(*_: Any, recorder: Any, **__: Any) -> None:
         assert recorder is not None
         assert open_in(tmp_path)
         raise ArithmeticError
 
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setattr("coopenv.agents.evaluate.evaluate", broken)
     with pytest.raises(ArithmeticError):  # whose traceback keeps what it saw alive
-        cli.main(["evaluate", "random", "--record", str(tmp_path / name)])
+        cli.main(["evaluate", "random", "--record", str(tmp_path / "a.csv")])
     assert not open_in(tmp_path)
     assert not list(tmp_path.iterdir())
 

@@ -40,17 +40,19 @@ def test_a_named_tuple_that_changes_after_its_import_stamps_nothing_twice_alike(
     tmp_path, monkeypatch
 ):
     monkeypatch.syspath_prepend(tmp_path)
-    tuples = tmp_path / "tuples_alone.py"  # without a function whose file would be noted
+    package = tmp_path / "with_tuples"
+    package.mkdir()
+    tuples = package / "alone.py"  # without a function whose file would be noted
     tuples.write_text("from typing import NamedTuple\nclass Pair(NamedTuple):\n    a: float\n")
-    (tmp_path / "tuples_used.py").write_text(
-        "from tuples_alone import Pair\nfrom coopenv.compiled import compiled\n"
+    (package / "used.py").write_text(
+        "from with_tuples.alone import Pair\nfrom coopenv.compiled import compiled\n"
         "@compiled\ndef first(x):\n    return Pair(x).a\n"
     )
-    first = import_module("tuples_used").first.py_func
+    first = import_module("with_tuples.used").first.py_func
     try:
         assert stamp(first, 0) == stamp(first, 0)
         tuples.write_text(tuples.read_text() + "    b: float\n")
         assert stamp(first, 0) != stamp(first, 0)  # what was imported is in no file any more
     finally:
-        for name in ("tuples_used", "tuples_alone"):
+        for name in ("with_tuples.used", "with_tuples.alone", "with_tuples"):
             sys.modules.pop(name)

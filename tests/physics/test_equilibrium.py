@@ -13,9 +13,7 @@ from tests.physics.held import Held
 DT = 0.05  # [s]; one substep a step
 
 
-def extreme(
-    chance: np.random.Generator, count: int, friction: float, heading: float
-) -> Held:
+def extreme(chance: np.random.Generator, count: int, friction: float, heading: float) -> Held:
     """Bodies as light as one substep allows, hands far stretched, limits that bind or do not."""
     agents = 3
     grips = chance.uniform(-0.8, 0.8, (count, agents, 2)) * [1.0, 0.3]
