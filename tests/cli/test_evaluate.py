@@ -268,8 +268,9 @@ def test_a_record_is_closed_before_it_is_removed_where_the_evaluation_breaks_off
         raise ArithmeticError
 
     monkeypatch.setattr("coopenv.agents.evaluate.evaluate", broken)
-    with pytest.raises(ArithmeticError):  # whose traceback keeps what it saw alive
+    with pytest.raises(ArithmeticError) as broken_off:
         cli.main(["evaluate", "random", "--record", str(tmp_path / "a.csv")])
+    assert broken_off.tb is not None  # which keeps all alive that was in use
     assert not open_in(tmp_path)
     assert not list(tmp_path.iterdir())
 

@@ -48,11 +48,14 @@ def test_a_named_tuple_that_changes_after_its_import_stamps_nothing_twice_alike(
         "from with_tuples.alone import Pair\nfrom coopenv.compiled import compiled\n"
         "@compiled\ndef first(x):\n    return Pair(x).a\n"
     )
+    (package / "late.py").write_text((package / "used.py").read_text())
     first = import_module("with_tuples.used").first.py_func
     try:
         assert stamp(first, 0) == stamp(first, 0)
         tuples.write_text(tuples.read_text() + "    b: float\n")
         assert stamp(first, 0) != stamp(first, 0)  # what was imported is in no file any more
+        late = import_module("with_tuples.late").first.py_func
+        assert stamp(late, 0) != stamp(late, 0)  # nor what another module takes of it
     finally:
-        for name in ("with_tuples.used", "with_tuples.alone", "with_tuples"):
-            sys.modules.pop(name)
+        for name in [name for name in sys.modules if name.partition(".")[0] == "with_tuples"]:
+            del sys.modules[name]

@@ -27,7 +27,7 @@ def test_one_number_that_is_not_finite_is_enough(number, model):
     with torch.no_grad():
         model.policy.weight[1, 2] = number
     assert has_diverged(model, OTHER)
-    with pytest.raises(InvalidInput, match="weights of a test must be finite, .* in weight: its"):
+    with pytest.raises(InvalidInput, match=r"weights of a test must be finite, .* in weight: its"):
         require_finite(model, "of a test")
 
 
