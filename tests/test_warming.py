@@ -133,7 +133,7 @@ def test_where_no_kernel_can_be_kept_no_folder_is_told(monkeypatch):
     monkeypatch.setattr(environments, "works", list)
     nowhere = SimpleNamespace(stats=SimpleNamespace(cache_path=None))
     monkeypatch.setattr("coopenv.warming.warming.is_finite", nowhere)
-    assert coopenv.warmup().cache is None
+    assert coopenv.warmup()[2] is None
 
 
 def refused() -> None:
