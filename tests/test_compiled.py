@@ -304,6 +304,18 @@ def test_a_cache_that_cannot_be_written_is_warned_of_once_and_compiled_in_memory
     assert len(warned) == 1
 
 
+def test_what_is_missing_where_kernels_are_kept_is_taken_from_folders_that_are_read_only(
+    start, tmp_path, monkeypatch
+):
+    assert start() == (0, 1)
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path / "home"))
+    assert start() == (0, 1)  # the other folder may be written: it is another cache
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path / "another"))
+    access = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK and access(path, mode))
+    assert start() == (1, 0)
+
+
 def test_a_disk_that_is_full_while_a_kernel_is_kept_stops_nothing(start, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")

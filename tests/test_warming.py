@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from itertools import chain
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -125,6 +126,14 @@ def test_a_report_is_told_what_is_compiled(monkeypatch):
     assert done == ["a"]
     assert found[0] == 0
     assert found[2]
+
+
+def test_where_no_kernel_can_be_kept_no_folder_is_told(monkeypatch):
+    monkeypatch.setattr(decompositions, "works", list)
+    monkeypatch.setattr(environments, "works", list)
+    nowhere = SimpleNamespace(stats=SimpleNamespace(cache_path=None))
+    monkeypatch.setattr("coopenv.warming.warming.is_finite", nowhere)
+    assert coopenv.warmup()[2] is None
 
 
 def refused() -> None:

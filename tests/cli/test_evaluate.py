@@ -3,6 +3,7 @@
 import csv
 import json
 import zipfile
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ from coopenv.agents.train import train
 from coopenv.cli import environments
 from coopenv.rewards import RewardSum, TimeCost
 from tests.modules import OWN_REWARD
+
+DESCRIPTORS = Path("/proc/self/fd")  # on Linux
 
 
 @pytest.fixture(autouse=True)
@@ -253,3 +256,29 @@ def test_a_policy_that_is_named_twice_is_refused(capsys):
 def test_a_folder_of_a_run_is_told_which_file_to_give(files, capsys):
     assert cli.main(["evaluate", str(files[0].parent)]) == 1
     assert f"give {str(files[0])!r}" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not DESCRIPTORS.is_dir(), reason="the system does not list what is open")
+def test_a_record_is_closed_before_it_is_removed_where_the_evaluation_breaks_off(
+    tmp_path, monkeypatch
+):
+    def broken(*_: Any, recorder: Any, **__: Any) -> None:
+        assert recorder is not None
+        assert open_in(tmp_path)
+        raise ArithmeticError
+
+    monkeypatch.setattr("coopenv.agents.evaluate.evaluate", broken)
+    with pytest.raises(ArithmeticError) as broken_off:
+        cli.main(["evaluate", "random", "--record", str(tmp_path / "a.csv")])
+    assert broken_off.tb is not None  # which keeps all alive that was in use
+    assert not open_in(tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def open_in(folder: Path) -> list[str]:
+    """Files of a folder that this process has open."""
+    names = []
+    for each in DESCRIPTORS.iterdir():
+        with suppress(OSError):
+            names.append(str(each.readlink()))
+    return [name for name in names if name.startswith(str(folder))]

@@ -1,5 +1,6 @@
 """``--config`` for every command: options by their names, checked, and those given win."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ pytest.importorskip("tyro")
 pytest.importorskip("stable_baselines3")
 
 from coopenv import cli
+from coopenv.cli.options.files import before
 from coopenv.cli.options.reading import read
+from coopenv.errors import InvalidInput
 from tests.cli.commands import LEAST
 
 
@@ -121,3 +124,42 @@ def test_a_file_of_no_command_is_no_traceback(file, capsys):
             cli.main(line)
         assert stopped.value.code == 2
         assert "Traceback" not in capsys.readouterr().err
+
+
+@dataclass(frozen=True, kw_only=True)
+class Long:
+    """A part."""
+
+    pairs: int | None = 4
+    config: Path | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Short:
+    """Another."""
+
+    trials: int = 1
+    config: Path | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Either:
+    """A command of parts with an option of its own."""
+
+    part: Long | Short
+    loud: bool = False
+
+
+def test_a_command_of_parts_may_have_options_of_its_own(file):
+    line = ["either", "long", "--config", str(file("pairs = 3"))]
+    assert before(line, {"either": Either}, None) == Either(part=Long(pairs=3, config=None))
+
+
+def test_nothing_is_said_in_json_where_an_option_may_be_nothing(tmp_path):
+    path = tmp_path / "options.json"
+    path.write_text('{"pairs": null}')
+    made = before(["long", "--config", str(path)], {"long": Long}, None)
+    assert made == Long(pairs=None)
+    path.write_text('{"trials": null}')
+    with pytest.raises(InvalidInput, match="trials must be a whole number, got None"):
+        before(["short", "--config", str(path)], {"short": Short}, None)

@@ -98,3 +98,28 @@ def test_what_is_compiled_while_its_module_is_imported_hides_nothing_imported_la
     assert stamp(user.second.py_func, 0) == before != user.EARLY
     monkeypatch.setattr(helper, "FACTOR", 3.0)
     assert stamp(user.second.py_func, 0) != before
+
+
+def test_a_named_tuple_that_changes_after_its_import_stamps_nothing_twice_alike(
+    tmp_path, monkeypatch
+):
+    monkeypatch.syspath_prepend(tmp_path)
+    package = tmp_path / "with_tuples"
+    package.mkdir()
+    tuples = package / "alone.py"  # without a function whose file would be noted
+    tuples.write_text("from typing import NamedTuple\nclass Pair(NamedTuple):\n    a: float\n")
+    (package / "used.py").write_text(
+        "from with_tuples.alone import Pair\nfrom coopenv.compiled import compiled\n"
+        "@compiled\ndef first(x):\n    return Pair(x).a\n"
+    )
+    (package / "late.py").write_text((package / "used.py").read_text())
+    first = importlib.import_module("with_tuples.used").first.py_func
+    try:
+        assert stamp(first, 0) == stamp(first, 0)
+        tuples.write_text(tuples.read_text() + "    b: float\n")
+        assert stamp(first, 0) != stamp(first, 0)  # what was imported is in no file any more
+        late = importlib.import_module("with_tuples.late").first.py_func
+        assert stamp(late, 0) != stamp(late, 0)  # nor what another module takes of it
+    finally:
+        for name in [name for name in sys.modules if name.partition(".")[0] == "with_tuples"]:
+            del sys.modules[name]

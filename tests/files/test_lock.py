@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from coopenv.errors import InvalidInput
-from coopenv.files import LOCK, locked
+from coopenv.files import LOCK, locked, nothing_left
 from coopenv.files.lock import Holder
 
 HOLD = """
@@ -175,3 +175,11 @@ def test_folders_that_a_lock_made_and_nobody_used_are_removed_again(tmp_path):
     with locked(tmp_path / "a" / "b"):
         assert (tmp_path / "a" / "b").is_dir()
     assert not list(tmp_path.iterdir())
+
+
+def test_a_lock_that_was_left_is_not_left_again_as_the_process_ends(tmp_path):
+    with nothing_left():
+        with locked(tmp_path):
+            pass
+        (tmp_path / LOCK).touch()  # another process is about to sign it
+    assert (tmp_path / LOCK).exists()

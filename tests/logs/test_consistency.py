@@ -212,6 +212,14 @@ def test_a_twist_that_contradicts_the_pose_is_told(seed, tmp_path):
     assert otherwise in only_warning(exchanged, tmp_path, **RIGHT)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_degrees_that_jump_and_turn_against_the_twist_are_told_to_do_so(seed, tmp_path):
+    columns = motions.planar(seed, rate=20)  # turns by more than pi degrees from row to row
+    columns["theta"] = np.rad2deg(columns["theta"] + np.pi) % 360 - 180
+    said = seen(scaled(columns, -1.0, "omega"), tmp_path, **RIGHT).warnings
+    assert any("the orientation turns against the angular velocity: turn" in each for each in said)
+
+
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("stiffness", [20.0, 100.0, 500.0])
 def test_a_spring_that_pushes_too_is_no_wrong_declaration(stiffness, seed, tmp_path):

@@ -53,6 +53,18 @@ def test_columns_rates_gaps_and_missing_values_are_told(tmp_path, capsys):
     assert "text such as 'calm'" in text
 
 
+@pytest.mark.parametrize("clock", ["time", "stamp", ""])
+def test_the_column_of_time_is_told_among_the_others_where_there_is_one(clock, tmp_path, capsys):
+    columns = {"f1x": np.sin(np.arange(20.0)), "more": np.cos(np.arange(20.0))}
+    if clock:
+        columns[clock] = np.arange(20) / 100
+    lines = shown(capsys, cases.save(columns, tmp_path / "a.npz")).splitlines()
+    assert ("no column looks like time" in lines[1]) == (not clock)
+    told = {line.split()[0]: line.split("  ")[-1] for line in lines[2:]}
+    assert told["f1x"] == "could be f1x"
+    assert [name for name, could in told.items() if could == "time"] == [clock] * bool(clock)
+
+
 @pytest.mark.parametrize(
     ("name", "wanted", "unit"),
     [

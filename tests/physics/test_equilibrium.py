@@ -13,7 +13,7 @@ from tests.physics.held import Held
 DT = 0.05  # [s]; one substep a step
 
 
-def extreme(chance: np.random.Generator, count: int, friction: float) -> Held:
+def extreme(chance: np.random.Generator, count: int, friction: float, heading: float) -> Held:
     """Bodies as light as one substep allows, hands far stretched, limits that bind or do not."""
     agents = 3
     grips = chance.uniform(-0.8, 0.8, (count, agents, 2)) * [1.0, 0.3]
@@ -36,7 +36,7 @@ def extreme(chance: np.random.Generator, count: int, friction: float) -> Held:
         scale = float(np.exp(high))
         bodies.append(replace(body, mass=scale * body.mass, inertia=scale * (body.inertia or 0.0)))
     limits = np.exp(chance.uniform(np.log(0.1), np.log(1e4), (count, agents, 2)))
-    held = Held(bodies, springs, limits, dt=DT, substeps=1)
+    held = Held(bodies, springs, limits, pose=(0.3, -0.2, heading), dt=DT, substeps=1)
     held.world.twist = chance.normal(0.0, 1.0, held.world.twist.shape)
     apart = np.exp(chance.uniform(-5.0, 1.0, (count, 1, 1)))
     held.reference += apart * chance.normal(0.0, 1.0, held.reference.shape)
@@ -63,9 +63,13 @@ def law(held: Held, before: tuple, start: np.ndarray) -> tuple[np.ndarray, np.nd
     return force, np.clip(torque, -held.limit[..., 1], held.limit[..., 1])
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3], ids=["smooth", "rough"])
-def test_what_hands_give_is_their_law_at_the_displacement_that_comes_of_it(friction):
-    held = extreme(np.random.default_rng(0), 600, friction)
+@pytest.mark.parametrize(
+    ("friction", "heading"),
+    [(0.0, 0.7), (0.3, 0.7), (0.0, np.pi / 2)],
+    ids=["smooth", "rough", "levers along the world's y"],
+)
+def test_what_hands_give_is_their_law_at_the_displacement_that_comes_of_it(friction, heading):
+    held = extreme(np.random.default_rng(0), 600, friction, heading)
     saturated = 0
     for _ in range(2):
         before, start = (held.grips_in_world(), held.world.pose[:, 2]), held.reference.copy()

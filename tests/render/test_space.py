@@ -73,6 +73,7 @@ def test_a_torque_is_an_arrow_round_its_axis():
     seen = where(turned.picture(0), APPLIED)
     assert np.ptp(seen[0]) > 15
     assert np.ptp(seen[0]) == pytest.approx(np.ptp(seen[1]), abs=5)
+    assert abs(np.corrcoef(seen)[0, 1]) < 0.7  # no line across
     edgewise = where(stage(pushed(0, 0, 0, *view()[1])).picture(0), APPLIED)
     assert edgewise.size
     assert np.ptp(edgewise[1]) < 0.5 * np.ptp(seen[1])

@@ -4,6 +4,7 @@ import json
 import re
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -150,6 +151,26 @@ def test_the_pictures_are_pictures(written):
         if name.endswith(".png"):
             assert (out / name).read_bytes().startswith(b"\x89PNG")
             assert f"({name.removeprefix('report/')})" in (out / "report" / "report.md").read_text()
+
+
+def test_of_a_picture_of_what_is_won_and_lost_the_front_alone_is_filled(tmp_path, monkeypatch):
+    from matplotlib.figure import Figure
+
+    drawn: list[Figure] = []
+
+    def save(figure: Figure, part: Path, **_: Any) -> None:
+        drawn.append(figure)
+        part.touch()
+
+    monkeypatch.setattr(Figure, "savefig", save)
+    found = {
+        name: {"success_time": at, "wasted_cost": at, "success_rate": None}
+        for name, at in (("first", Estimate(1, 0.9, 1.1)), ("worse", Estimate(2, 1.9, 2.1)))
+    }
+    pictures.draw_pareto(found, ["first"], tmp_path / "pareto.png")
+    lines = {line.get_label(): line for line in drawn[0].axes[0].lines}
+    filled = {name: lines[name].get_markerfacecolor() != "none" for name in found}
+    assert filled == {"first": True, "worse": False}
 
 
 def test_equal_results_give_equal_reports(written, results, tmp_path):

@@ -20,6 +20,7 @@ from coopenv.errors import InvalidInput
 from tests.agents.learned.cases import OFF_POLICY, ON_POLICY
 from tests.helpers import EASY
 
+BOUNDS = [-np.inf, 0, -np.inf, 0], [np.inf, np.inf, 1, 1]  # low and high
 CONFIG = TransportConfig(task=EASY, horizon=6, action="discrete", pushes="compass")
 LEARNERS: dict[str, tuple[Any, str, dict[str, Any]]] = {
     "a team": (stable_baselines3.PPO, "joint", ON_POLICY),
@@ -86,3 +87,10 @@ def test_one_agent_of_its_own_has_a_row_of_one_push():
     for done in (gymnasium.spaces.MultiDiscrete([7]), gymnasium.spaces.Discrete(7)):
         made = spaces_of(seen, done, "PPO")
         assert (made.pushes, made.actions) == (7, 1)
+
+
+def test_a_feature_is_bounded_that_has_a_bound_on_either_side():
+    low, high = (np.array(each, dtype=np.float32) for each in BOUNDS)
+    seen = gymnasium.spaces.Box(low, high)
+    made = spaces_of(seen, gymnasium.spaces.Discrete(7), "PPO")
+    assert made.bounded.tolist() == [False, True, True, True]

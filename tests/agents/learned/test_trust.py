@@ -156,6 +156,13 @@ def test_a_model_that_is_built_anew_trains_on(tmp_path):
     torch.testing.assert_close(*weights, rtol=0, atol=0)
 
 
+@pytest.mark.parametrize("scale", [(1, 2), (np.float64(0.1), np.float64(3.0))])
+def test_features_are_scaled_in_single_precision_whatever_the_factors_are(scale):
+    layer = Scaled(gymnasium.spaces.Box(-1.0, 1.0, (2,)), scale)
+    assert layer.scale.dtype == layer(torch.ones(3, 2)).dtype == torch.float32
+    torch.testing.assert_close(layer(torch.ones(3, 2)), torch.tensor([scale] * 3).float())
+
+
 def test_a_schedule_that_no_plain_value_says_is_not_replaced_in_silence(tmp_path):
     model = trained("PPO", small(), learning_rate=lambda remaining: 1e-3 * remaining**2)
     path = tmp_path / "policy.zip"

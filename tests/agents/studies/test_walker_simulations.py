@@ -122,7 +122,8 @@ def test_the_braking_does_not_hang_on_the_control_step(avoid):
     [
         (lambda: WalkerAvoid(obstacle=0.3).run(), r"obstacle must stand between the walker"),
         (lambda: RollingPlan(turning=(0.7, 0.3)), r"plan\.turning must be"),
-        (lambda: RollingPlan(duration=0.0), r"plan\.duration must be positive"),
+        (lambda: RollingPlan(length=0.0), r"plan\.length must be positive, .*; give it in m$"),
+        (lambda: RollingPlan(duration=0.0), r"plan\.duration must be positive, .*; give it in s$"),
         (lambda: Impedance(stiffness=-1.0), r"impedance\.stiffness must be zero or positive"),
     ],
 )

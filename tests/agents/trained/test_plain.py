@@ -76,6 +76,14 @@ def test_layers_of_many_rows_are_what_each_row_alone_comes_to(rows):
     np.testing.assert_allclose(layer(x), wanted, atol=1e-5)
 
 
+def test_a_file_is_packed_and_says_no_time_of_day(file):
+    with zipfile.ZipFile(file) as archive:
+        members = archive.infolist()
+    assert {member.compress_type for member in members} == {zipfile.ZIP_DEFLATED}
+    assert {member.date_time for member in members} == {(1980, 1, 1, 0, 0, 0)}
+    assert file.stat().st_size < sum(member.file_size for member in members)
+
+
 def test_sampled_actions_repeat_and_do_not_depend_on_the_worlds_beside(file):
     policy = load(file, deterministic=False, seed=3)
     few, many = (

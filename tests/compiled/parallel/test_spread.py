@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as some
+from numba import njit
 
 from coopenv.compiled import compiled
 from coopenv.compiled.parallel import Crew, crew, shared, sharing, spread
@@ -21,6 +22,12 @@ def count_up(start, stop, seen, by):
 
 @compiled
 def counted(board, parts, seen, by):
+    spread(board, parts, len(seen), count_up, (seen, by))
+
+
+@njit(error_model="numpy")
+def counted_anew(board, parts, seen, by):
+    """`counted`, in no cache."""
     spread(board, parts, len(seen), count_up, (seen, by))
 
 
@@ -45,6 +52,14 @@ def test_every_row_is_done_once_by_any_crew(count, parts, helpers):
 
 
 _CREWS = [Crew(helpers) for helpers in range(4)]
+
+
+@pytest.mark.parametrize("parts", [1, 7])
+def test_a_kernel_that_is_compiled_just_now_spreads_too(parts):
+    seen = np.zeros(40, dtype=np.int64)
+    counted_anew(0, parts, seen, 3)
+    counted_anew(_CREWS[0].board, parts, seen, 2)
+    assert (seen == 5).all()
 
 
 def test_threads_that_have_work_at_the_same_time_do_not_mix_it_up():

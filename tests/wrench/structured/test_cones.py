@@ -6,7 +6,23 @@ import numpy as np
 from numba import njit
 
 from coopenv.compiled.lanes.memory import four_at
-from coopenv.wrench.structured.cones import CONE, DET_S, DET_Z, DZ, S, Z, inner, longest_step
+from coopenv.wrench.structured.cones import (
+    CONE,
+    DET_S,
+    DET_Z,
+    DS,
+    DZ,
+    INNER,
+    SQUARE,
+    Q,
+    S,
+    W,
+    Z,
+    inner,
+    longest_step,
+    scale,
+    write_corrector,
+)
 
 TRIALS = 2000
 
@@ -23,6 +39,14 @@ def _inner_products(address):
     """Write the inner products of four pairs of points where the det of s stood."""
     cone = four_at(address)
     cone[DET_S] = inner(cone)
+
+
+@njit(error_model="numpy")
+def _correctors(address, target):
+    """Write the right-hand sides of the corrector; a cone is there where dz has a positive head."""
+    cone = four_at(address)
+    scale(cone)
+    write_corrector(cone, target, cone[DZ] > 0.0)
 
 
 def _longest(z, dz):
@@ -89,3 +113,32 @@ def test_the_product_of_nearly_opposite_points_keeps_its_digits():
         expected = [float(_exactly(a, b)) for a, b in zip(s, z, strict=True)]
         _inner_products(cone.ctypes.data)
         np.testing.assert_allclose(cone[DET_S], expected, rtol=1e-3 * apart**0.5 + 1e-11)
+
+
+def _arrow(x):
+    """The matrix of the product ∘ with x."""
+    return np.block([[x[:1], x[1:]], [x[1:, None], x[0] * np.eye(3)]])
+
+
+def test_a_corrector_is_that_of_its_formula_and_nothing_where_there_is_no_cone():
+    rng, target, mirror = np.random.default_rng(5), 0.3, np.array([1.0, -1.0, -1.0, -1.0])
+    cone, there = np.zeros((CONE, 4)), np.array([True, False, True, False])
+    s, z = (_inside(rng, 0.5) for _ in range(2))
+    s, z = s / s[:, :1], z / z[:, :1]
+    cone[S : S + 4], cone[Z : Z + 4], cone[DZ] = s.T, z.T, there
+    cone[DS : DS + 4] = 0.1 * rng.normal(size=(4, 4))
+    cone[DET_S], cone[DET_Z], cone[INNER] = s**2 @ mirror, z**2 @ mirror, (s * z).sum(axis=1)
+    _correctors(cone.ctypes.data, target)
+    np.testing.assert_array_equal(cone[Q : Q + 4, ~there], 0.0)
+    for k in np.flatnonzero(there):
+        w = cone[W : W + 4, k]
+        scaling = _arrow(w)
+        scaling[1:, 1:] = np.eye(3) + np.outer(w[1:], w[1:]) / (1 + w[0])
+        scaling /= np.sqrt(cone[SQUARE, k])
+        scaled = scaling @ z[k]
+        np.testing.assert_allclose(scaled, np.linalg.solve(scaling, s[k]), rtol=1e-10)
+        u = np.linalg.solve(scaling, cone[DS : DS + 4, k])
+        second = np.linalg.solve(_arrow(scaled), _arrow(u) @ u)
+        inverse = mirror * s[k] / (s[k] ** 2 @ mirror)
+        expected = -z[k] + target * inverse + np.linalg.solve(scaling, u + second)
+        np.testing.assert_allclose(cone[Q : Q + 4, k], expected, rtol=1e-10, atol=1e-12)

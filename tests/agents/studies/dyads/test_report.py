@@ -130,3 +130,7 @@ def test_what_people_did_stands_beside_the_model_where_the_paper_says_it(tmp_pat
     (people,) = [h for h, label in zip(handles, labels, strict=True) if label == "people (paper)"]
     heights = people[0].get_ydata()
     assert sorted(heights) == sorted(mean for mean, _ in report.HUMAN_TORQUE.values())
+    (bars,) = people[2]
+    told = sorted((mean - off, mean + off) for mean, off in report.HUMAN_TORQUE.values())
+    drawn_from_to = sorted(tuple(bar[:, 1]) for bar in bars.get_segments())
+    np.testing.assert_allclose(drawn_from_to, told)
