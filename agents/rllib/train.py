@@ -74,6 +74,7 @@ def settings_of(config: RLlibConfig, environment: TransportConfig, agents: list[
     shared = config.policies == SHARED
     return (
         ppo.PPOConfig()
+        .api_stack(enable_rl_module_and_learner=True, enable_env_runner_and_connector_v2=True)
         .environment(CarryingEnv, env_config=given)
         .env_runners(num_env_runners=config.runners, num_envs_per_env_runner=config.worlds)
         .fault_tolerance(restart_failed_env_runners=True)  # as those of a node that is lost

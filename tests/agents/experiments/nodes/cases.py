@@ -11,18 +11,17 @@ from tests.agents.experiments.cases import here
 
 @dataclass(eq=False)
 class Here:
-    """What a node tells, until it is lost."""
+    """What a node tells, or that it is lost."""
 
     parcel: bytes
-    until: int | None
-    """Things that it tells before it is lost; None: it is not."""
+    is_lost: bool
     launch: Any
     cancelled: Event = field(default_factory=Event)
 
     def __iter__(self) -> Iterator[Told]:
-        for number, said in enumerate(work_on(self.parcel, self.launch)):
-            if number == self.until:
-                raise NodeLost("the machine is gone")
+        if self.is_lost:
+            raise NodeLost("the machine is gone")
+        for said in work_on(self.parcel, self.launch):
             if self.cancelled.is_set():
                 raise NodeLost("cancelled")
             yield said
@@ -44,4 +43,4 @@ class Threads:
         with self.lock:
             self.begun.append(parcel)
             lost = len(self.begun) <= self.losses
-        return Here(parcel, 0 if lost else None, self.launch)
+        return Here(parcel, lost, self.launch)

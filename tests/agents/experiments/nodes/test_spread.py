@@ -68,7 +68,7 @@ def test_cells_of_lost_nodes_run_again_and_the_report_is_the_same(alone, tmp_pat
 def test_a_cell_whose_nodes_are_lost_again_and_again_fails(tmp_path, monkeypatch):
     monkeypatch.setattr(spread, "LOSSES", 3)
     nodes = Threads(losses=99)
-    outcome = conduct(small(tmp_path, seeds=1, grid={}, training={}), nodes=nodes, workers=1)
+    outcome = conduct(small(tmp_path, seeds=1, grid={}), nodes=nodes, workers=1)
     assert len(nodes.begun) == 3
     assert list(outcome.failures.values()) == [
         "its node was lost 3 times, the last time as the machine is gone"
