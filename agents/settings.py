@@ -203,7 +203,11 @@ class TrainConfig:
 
     def __post_init__(self) -> None:
         counts = ("steps", "num_worlds", "rollout", "epochs", "checkpoint_every", "threads")
-        least = {**dict.fromkeys(counts, 1), "batch_size": 2, "seed": 0}  # advantages are normalised
+        least = {
+            **dict.fromkeys(counts, 1),
+            "batch_size": 2,
+            "seed": 0,
+        }  # advantages are normalised
         for name, at_least in least.items():  # 3e5 of a file is 300,000
             object.__setattr__(self, name, whole(getattr(self, name), name, at_least=at_least))
         if not isinstance(self.fresh, bool):  # anything else is true or false by accident

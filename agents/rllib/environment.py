@@ -44,7 +44,9 @@ class CarryingEnv(ParallelPettingZooEnv):
         worlds = context["worlds"]
         number = context.worker_index * worlds + context.vector_index
         self._seed: int | None = training_seeds(context["seed"], number + 1)[-1]
-        spaces: Any = {agent: self._scaled(space) for agent, space in self.observation_space.items()}
+        spaces: Any = {
+            agent: self._scaled(space) for agent, space in self.observation_space.items()
+        }
         self.observation_space = gymnasium.spaces.Dict(spaces)
 
     def reset(self, *, seed: int | None = None, options: dict | None = None) -> tuple[Any, Any]:

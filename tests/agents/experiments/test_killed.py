@@ -21,9 +21,7 @@ LEARNING = {**TRAINING, "hidden": [8], "checkpoint_every": 1}
 
 
 def run(out: Path) -> None:
-    outcome = conduct(
-        small(out, grid=GRID, training=LEARNING, seeds=2), launch=here, workers=1
-    )
+    outcome = conduct(small(out, grid=GRID, training=LEARNING, seeds=2), launch=here, workers=1)
     assert outcome.failures == {}
 
 

@@ -1,12 +1,15 @@
 """Modules of RLlib in plain numbers; where it is not installed, modules of the same layers."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-torch = pytest.importorskip("torch")
+pytest.importorskip("torch")
+pytest.importorskip("stable_baselines3")
 
+import torch
 from gymnasium.spaces import Box, Discrete
 
 from coopenv import Transport
@@ -16,6 +19,7 @@ from coopenv.agents.features import scale_of_features
 from coopenv.agents.rllib.exchange import plain_policy
 from coopenv.agents.sb3 import SB3Policy
 from coopenv.errors import CoopenvError, InvalidInput
+from coopenv.pushes import table_of
 
 HIDDEN = 6
 
@@ -70,17 +74,17 @@ def test_modules_of_their_own_act_as_one_network_in_which_none_sees_the_other(co
     wanted = np.stack([acts(of, obs[:, agent], scale) for agent, of in enumerate(both)], axis=1)
     np.testing.assert_allclose(policy(obs, core.transition), wanted, atol=1e-6)
     assert np.abs(wanted[:, 0] - wanted[:, 1]).max() > 0.05
-    noisy = policy.sampled()
-    assert noisy is not None
+    noisy: Any = policy.sampled()
     assert noisy.form.network.spread.shape == (6,)
 
 
 @pytest.mark.parametrize("agents", [1, 2])
 def test_modules_that_choose_among_pushes_choose_the_best(agents):
-    core = Transport(num_worlds=3, action="discrete")
+    core = Transport(num_worlds=3, action="discrete", pushes="axes")
     core.reset(seed=0)
     core.step(np.zeros((3, 2), dtype=np.int64))
-    scale, pushes = np.array(scale_of_features(core)), len(core.table)
+    assert core.transition is not None
+    scale, pushes = np.array(scale_of_features(core)), len(table_of("axes"))
     of = [module(len(scale), pushes, spread=False, seed=seed) for seed in range(agents)]
     obs = np.random.default_rng(0).normal(size=(3, 2, len(scale)))
     policy = plain_policy(of, scale, (spaces(core)[0], Discrete(pushes)), {})

@@ -1,9 +1,11 @@
-"""Trainings with RLlib of one iteration, where it is installed: `make rllib`."""
+"""Trainings with RLlib of one iteration, where it is installed: `make rllib-test`."""
+
+from typing import Any
 
 import numpy as np
 import pytest
 
-pytest.importorskip("ray.rllib", reason="RLlib has an environment of its own: make rllib")
+pytest.importorskip("ray.rllib", reason="RLlib has an environment of its own: make rllib-test")
 
 import torch
 from ray.rllib.core.rl_module.rl_module import RLModule  # pyright: ignore[reportMissingImports]
@@ -16,7 +18,7 @@ from coopenv.agents.provenance import Provenance
 from coopenv.agents.rllib import RLlibConfig, train
 from coopenv.agents.settings import EnvironmentChoice
 
-SMALL = {
+SMALL: dict[str, Any] = {
     "steps": 128,
     "batch_size": 128,
     "minibatch_size": 64,
@@ -42,11 +44,11 @@ def test_an_iteration_leaves_a_policy_that_acts_as_rllibs_and_is_evaluated_as_an
     config = RLlibConfig(
         environment=choice, policies=policies, runners=runners, out=tmp_path, **SMALL
     )
-    policy, seen = train(config, rows.append)
+    _, seen = train(config, rows.append)
     assert [row["steps"] for row in rows] == [pytest.approx(128, abs=4)]
     assert np.isfinite(rows[-1]["return"])
 
-    again = load(tmp_path / "policy.npz")
+    again: Any = load(tmp_path / "policy.npz")
     assert evaluate(again, choice.config(), episodes=3, name="rllib") == seen
     record = Provenance.read(tmp_path / "policy.npz")
     assert record is not None
@@ -56,7 +58,7 @@ def test_an_iteration_leaves_a_policy_that_acts_as_rllibs_and_is_evaluated_as_an
     core = Transport(num_worlds=4, config=choice.config())
     obs, _ = core.reset(seed=0)
     names = ["shared"] * 2 if policies == "shared" else ["agent_0", "agent_1"]
-    scale, mine = np.float32(scale_of_features(core)), again.form.network
+    scale, mine = np.array(scale_of_features(core), dtype=np.float32), again.form.network
     rows_of = [torch.tensor(obs[:, agent] * scale) for agent in range(2)]
     place = tmp_path / "checkpoint" / "learner_group" / "learner" / "rl_module"
     theirs = np.stack(

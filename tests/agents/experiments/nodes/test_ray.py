@@ -1,4 +1,4 @@
-"""A grid on Ray's nodes, one of which is killed on the way; where Ray is installed: `make rllib`."""
+"""A grid on Ray's nodes, a worker of which is killed on the way: `make rllib-test`."""
 
 import os
 import signal
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("ray", reason="Ray has an environment of its own: make rllib")
+pytest.importorskip("ray", reason="Ray has an environment of its own: make rllib-test")
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("matplotlib")
 
