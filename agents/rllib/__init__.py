@@ -5,6 +5,6 @@ own. The policy that is trained becomes one in plain numbers, which needs neithe
 """
 
 from .settings import RLlibConfig
-from .train import require_rllib, train
+from .training import require_rllib, train
 
 __all__ = ["RLlibConfig", "require_rllib", "train"]

@@ -14,7 +14,7 @@ from coopenv.errors import CoopenvError
 
 from ..evaluate import table
 from .settings import RLlibConfig
-from .train import POLICY, train
+from .training import POLICY, train
 
 
 def main() -> int:

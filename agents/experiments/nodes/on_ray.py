@@ -64,7 +64,7 @@ class RayNodes:
 
 @contextmanager
 def joined(address: str | None = None) -> Iterator[Nodes]:
-    """The nodes of a Ray cluster, left again after the block.
+    """The nodes of a Ray cluster, left again after the block; or of the one that is joined already.
 
     Parameters
     ----------
@@ -82,19 +82,25 @@ def joined(address: str | None = None) -> Iterator[Nodes]:
     """
     with _same_signals():
         ray = require_ray()
-        wanted = address or os.environ.get(ADDRESS) or LOCAL
-        given = {"num_cpus": cores(), "include_dashboard": False} if wanted == LOCAL else {}
-        try:
-            ray.init(address=wanted, log_to_driver=False, logging_level="ERROR", **given)
-        except (ConnectionError, RuntimeError, ValueError) as error:
-            raise InvalidInput(
-                f"address must be that of a Ray cluster that runs, got {wanted!r} "
-                f"({_first_line(error)}); ray start --head starts one"
-            ) from error
+        was_joined = ray.is_initialized()
+        if not was_joined:
+            _join(ray, address or os.environ.get(ADDRESS) or LOCAL)
     try:
         yield RayNodes(ray)
     finally:
-        ray.shutdown()
+        if not was_joined:
+            ray.shutdown()
+
+
+def _join(ray: Any, address: str) -> None:
+    given = {"num_cpus": cores(), "include_dashboard": False} if address == LOCAL else {}
+    try:
+        ray.init(address=address, log_to_driver=False, logging_level="ERROR", **given)
+    except (ConnectionError, RuntimeError, ValueError) as error:
+        raise InvalidInput(
+            f"address must be that of a Ray cluster that runs, got {address!r} "
+            f"({_first_line(error)}); ray start --head starts one"
+        ) from error
 
 
 def require_ray() -> Any:

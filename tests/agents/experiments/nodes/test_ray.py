@@ -87,3 +87,23 @@ def test_a_cluster_that_is_not_there_is_told(monkeypatch):
         joined("auto"),
     ):
         pass
+
+
+def test_an_interruption_ends_what_rays_workers_work_on(tmp_path, monkeypatch):
+    monkeypatch.setenv("RAY_worker_niceness", "0")
+    out = tmp_path / "out"
+    endless = small(out, grid={"algorithm": ["random"]}, seeds=1, episodes=100_000)
+    end = time.monotonic() + LONGEST
+
+    def show(**said):
+        if parent_at_work("ray::work_on") is not None or time.monotonic() > end:
+            raise KeyboardInterrupt
+
+    with joined() as nodes:
+        with pytest.raises(KeyboardInterrupt):
+            conduct(endless, nodes=nodes, show=show)
+        assert time.monotonic() < end
+        while parent_at_work("ray::work_on") is not None and time.monotonic() < end:
+            time.sleep(0.2)
+        assert parent_at_work("ray::work_on") is None
+    assert not list(out.glob(f"cells/*/*/{RESULT}"))

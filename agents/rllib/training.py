@@ -35,6 +35,7 @@ def train(config: RLlibConfig, tell: Tell = lambda row: None) -> tuple[PlainPoli
     MissingExtra
         If RLlib is not installed.
     """
+    require_rllib()
     environment = config.environment.config()
     record = Provenance.of_environment(environment, _control(config))
     require_folder(config.out)
