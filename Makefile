@@ -1,12 +1,14 @@
 # make train | test | lint | kernels | docs | browse | links | bench | interop | matrix | soak | mutants: each makes
-# .venv, installs what it needs, and runs.
+# .venv, installs what it needs, and runs; make rllib | rllib-test with Ray in .venv-rllib, as RLlib pins what we do not.
 PYTHON ?= python3
 BIN := .venv/bin
 ARGS ?=
 EXTRAS_train := train,render
+RLLIB := .venv-rllib
+RLLIB_PINS := tests/interop/requirements/rllib.txt
 EXTRAS_dev := dev,docs
 
-.PHONY: train test lint kernels docs browse links bench interop matrix soak mutants clean
+.PHONY: train test lint kernels docs browse links bench interop matrix soak mutants rllib rllib-test clean
 
 train: .venv/train
 	$(BIN)/coopenv train $(ARGS)
@@ -49,6 +51,17 @@ mutants: .venv/dev
 matrix: .venv/dev
 	$(BIN)/python -m benchmarks.matrix $(ARGS)
 
+rllib: $(RLLIB)/ready
+	$(RLLIB)/bin/python -m coopenv.agents.rllib $(ARGS)
+
+rllib-test: $(RLLIB)/ready
+	$(RLLIB)/bin/python -m pytest tests/agents/rllib tests/agents/experiments/nodes $(ARGS)
+
+$(RLLIB)/ready: pyproject.toml $(RLLIB_PINS)
+	test -x $(RLLIB)/bin/python || $(PYTHON) -m venv $(RLLIB)
+	$(RLLIB)/bin/pip install --quiet --requirement $(RLLIB_PINS) --editable ".[train]" pytest hypothesis
+	touch $@
+
 # Bytecode is made on all cores, by pip it would be on one; some files of others are templates and no Python.
 .venv/%: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -57,4 +70,4 @@ matrix: .venv/dev
 	touch $@
 
 clean:
-	rm -rf .venv build dist *.egg-info runs
+	rm -rf .venv $(RLLIB) build dist *.egg-info runs

@@ -25,12 +25,15 @@ MOST = {  # beyond, numbers overflow, worlds share seeds, or no training comes t
     "steps": 10**12,
     "num_worlds": BLOCK // 2,
     "threads": 1024,
+    "epochs": 10**6,
+    "batch_size": 10**12,
     "learning_rate": 1.0,
     "clip_range": 1e6,
     "initial_std": 1e3,
     "entropy_weight": 1e6,
 }
 
+MOST_UNITS = 10**5  # of a layer, whose weights are then still in reach of a machine
 NOTED = ("provenance",)  # entries of config.json that others write beside the settings
 UNSAVED = ("fresh",)  # said for one call, and never taken from a file: it removes a run
 
@@ -212,10 +215,13 @@ class TrainConfig:
 
     def __post_init__(self) -> None:
         counts = ("steps", "num_worlds", "rollout", "epochs", "checkpoint_every", "threads")
-        for name in counts:
-            whole(getattr(self, name), name, at_least=1)
-        whole(self.batch_size, "batch_size", at_least=2)  # advantages are normalised in it
-        whole(self.seed, "seed", at_least=0)
+        least = {
+            **dict.fromkeys(counts, 1),
+            "batch_size": 2,
+            "seed": 0,
+        }  # advantages are normalised
+        for name, at_least in least.items():  # 3e5 of a file is 300,000
+            object.__setattr__(self, name, whole(getattr(self, name), name, at_least=at_least))
         if not isinstance(self.fresh, bool):  # anything else is true or false by accident
             raise InvalidInput(f"fresh must be True or False, got {self.fresh!r}; give one of them")
         _check_numbers(self)
@@ -332,8 +338,8 @@ def _check_numbers(config: "TrainConfig") -> None:
         raise InvalidInput(f"hidden must be sizes of layers, got {config.hidden!r}; list them")
     if not config.hidden:
         raise InvalidInput("hidden must be sizes of layers, got none; give at least one: 64")
-    for units in config.hidden:
-        whole(units, "hidden", at_least=1)
+    hidden = tuple(whole(each, "hidden", at_least=1, at_most=MOST_UNITS) for each in config.hidden)
+    object.__setattr__(config, "hidden", hidden)
 
 
 def _tuples(value: dict[str, Any]) -> dict[str, Any]:

@@ -27,7 +27,9 @@ ELSEWHERE = {  # filled while the program runs, or of the system or of a library
     "coopenv.envs.registry._REGISTERED", "coopenv.files.ending._DUE",
     "coopenv.files.lock._HELD", "coopenv.files.lock._OPEN", "coopenv.files.temporary.NO_LINKS",
 }  # fmt: skip
-BESIDE = ("coopenv.agents.torchrl.benchmarl",)  # of a library that does not go with our pins
+BESIDE = (  # of libraries that do not go with our pins
+    "coopenv.agents.rllib.environment", "coopenv.agents.torchrl.benchmarl",
+)  # fmt: skip
 
 
 def modules() -> list[str]:

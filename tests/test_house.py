@@ -17,6 +17,7 @@ from tests.sources import (
     syntax,
 )
 
+NODES = Path("agents/experiments/nodes")
 MOST_FILES = 17  # in a folder, its face included; modules of environments are not counted
 COMPILERS = {"cfunc", "generated_jit", "guvectorize", "jit", "njit", "vectorize"}
 # Public though their names are not
@@ -253,6 +254,13 @@ def test_only_agents_know_what_trains_them(tool):
     assert folders_of(users_of(tool)) <= {
         Path("agents"),
         Path("agents/learned"),
+        Path("agents/rllib"),
         Path("agents/torchrl"),
         Path("agents/training"),
     }
+
+
+def test_one_folder_and_one_file_know_ray():
+    files = {modules()[name].relative_to(ROOT) for name in users_of("ray")}
+    assert {path.parent for path in files} == {Path("agents/rllib"), NODES}
+    assert [path.name for path in files if path.parent == NODES] == ["on_ray.py"]

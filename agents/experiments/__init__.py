@@ -3,17 +3,20 @@
 from .conduct import Outcome, check, conduct
 from .file import load
 from .grid import Experiment
+from .nodes import Nodes, joined
 from .report import Results, write_report
 from .search import Search
 from .sweep import sweep
 
 __all__ = [
     "Experiment",
+    "Nodes",
     "Outcome",
     "Results",
     "Search",
     "check",
     "conduct",
+    "joined",
     "load",
     "sweep",
     "write_report",

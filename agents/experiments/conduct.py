@@ -10,6 +10,7 @@ from coopenv.files import locked, require_folder
 
 from .cell import Cell
 from .grid import Experiment
+from .nodes import AT_A_TIME, Nodes, Spread
 from .report import Results, is_experiment, report_folder, save, write_report
 from .run import Launch, Show, run_cells
 from .search import Search
@@ -35,6 +36,7 @@ def conduct(
     workers: int | None = None,
     show: Show | None = None,
     launch: Launch | None = None,
+    nodes: Nodes | None = None,
 ) -> Outcome:
     """Run what is not yet finished of an experiment, and write its report.
 
@@ -50,11 +52,14 @@ def conduct(
     tune
         Trials of the search for each; 0: none.
     workers
-        Cells at a time; ``None``: one a core.
+        Cells at a time; ``None``: one a core, or as many as nodes take.
     show
         Told of the progress, of each trial of a search and then of the grid.
     launch
         How a cell is worked on; by default in a process of its own.
+    nodes
+        Machines that work on the cells in place of this one; `coopenv.agents.experiments.joined`
+        joins those of a Ray cluster.
 
     Returns
     -------
@@ -71,7 +76,10 @@ def conduct(
         _require_no_other_report(experiment.out)
 
         def run(cells: list[Cell], out: Path) -> Mapping[str, str]:
-            return run_cells(cells, out, workers=workers, launch=launch, show=show)
+            if nodes is None:
+                return run_cells(cells, out, workers=workers, launch=launch, show=show)
+            most = AT_A_TIME if workers is None else workers
+            return run_cells(cells, out, workers=most, launch=Spread(nodes), show=show)
 
         found = {}
         if tune and search is not None:

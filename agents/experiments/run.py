@@ -13,7 +13,7 @@ from inspect import getfile
 from pathlib import Path
 from tempfile import TemporaryFile
 from threading import Lock
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from coopenv.arrays import whole
 from coopenv.compiled.parallel import cores
@@ -43,6 +43,15 @@ class Launch(Protocol):
 
     def __call__(self, folder: Path, report: Callable[[dict[str, Any]], None]) -> str | None:
         """Work there until it is done; why it failed, or None."""
+        ...
+
+
+@runtime_checkable
+class Stoppable(Protocol):
+    """A `Launch` whose work goes on by itself has this as well."""
+
+    def stop(self) -> None:
+        """End all that it has begun, and begin no more."""
         ...
 
 
@@ -136,14 +145,14 @@ def run_cells(
             cell.check(out / cell.folder)
         waiting = [cell for cell in cells if not cell.is_finished(out / cell.folder)]
         tally = _Tally(cells, waiting, show)
-        processes = Processes()
-        worker = processes if launch is None else launch
+        worker = Processes() if launch is None else launch
         pool = ThreadPoolExecutor(workers)
         try:
             return _all_done(pool, waiting, out, worker, tally)
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-            processes.stop()
+            if isinstance(worker, Stoppable):
+                worker.stop()
             pool.shutdown()
 
 

@@ -48,15 +48,18 @@ def check_entry(name: str, entry: Any) -> None:
     """Raise unless a setting can be searched so, and the trainer takes the ends of what it says."""
     if name not in TRAINING:
         raise UnknownName("setting to be searched", name, TRAINING)
+    for key in entry if isinstance(entry, Mapping) else ():
+        if key not in ("choices", *RANGE):
+            raise UnknownName(f"entry of the space of {name}", key, ("choices", *RANGE))
     if not isinstance(entry, Mapping) or not ("choices" in entry or {"low", "high"} <= set(entry)):
         raise InvalidInput(
             f"space of {name} must be low and high, or choices, got {entry!r}; write "
             "{ low = 1e-4, high = 1e-2, log = true }"
         )
-    known = ("choices",) if "choices" in entry else RANGE
-    for key in entry:
-        if key not in known:
-            raise UnknownName(f"entry of the space of {name}", key, known)
+    if "choices" in entry and len(entry) > 1:
+        raise InvalidInput(
+            f"space of {name} must be choices or a range, got {', '.join(entry)}; drop one of them"
+        )
     if "choices" in entry:
         values = entry["choices"]
         if not isinstance(values, list) or not values:

@@ -8,7 +8,7 @@ from typing import Any
 
 from coopenv import rewards
 from coopenv.arrays import number
-from coopenv.errors import CoopenvError, InvalidInput, UnknownName
+from coopenv.errors import CoopenvError, InvalidInput, UnknownName, likely
 from coopenv.rewards import RewardSum, Term
 from coopenv.wrench import Settings
 
@@ -50,6 +50,10 @@ def term_of(table: Any) -> Term:
 
     ``settings`` is a table of the fields of `coopenv.wrench.Settings`.
     """
+    if isinstance(table, Mapping) and "kind" not in table:
+        for name in table:
+            if likely(str(name), ("kind",)):
+                raise UnknownName("key of a term", name, ("kind",))
     if not isinstance(table, Mapping) or "kind" not in table:
         raise InvalidInput(
             f"term must be a table with a kind, got {table!r}; write "

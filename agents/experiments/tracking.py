@@ -34,7 +34,6 @@ def tracked(cell: Cell, folder: Path) -> Iterator[Track]:
         name=f"{cell.setting}, seed {cell.seed}",
         config=cell.identity(),
         dir=str(folder),
-        reinit=True,
     )
     try:
         yield run.log

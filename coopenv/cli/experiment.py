@@ -1,5 +1,7 @@
 """``coopenv experiment``, ``report`` and ``sweep``: grids of runs that run themselves."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -12,7 +14,7 @@ from coopenv.options import POSITIONAL, Common
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from coopenv.agents.experiments import Experiment, Outcome, Results, Search
+    from coopenv.agents.experiments import Experiment, Nodes, Outcome, Results, Search
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +34,11 @@ class RunExperiment:
     tune: int = 0
     """Trials of a search over the settings of each algorithm that learns, before the grid; the
     file's [search.space] says over which. Each trial is all of the algorithm's grid."""
+    ray: bool = False
+    """Spread the cells over the nodes of a Ray cluster, a core each; those of a lost node run
+    again. Without address and RAY_ADDRESS, a Ray on this machine's cores."""
+    address: str | None = None
+    """Of the cluster, with ray: HOST:6379, ray://HOST:10001, or auto for that of this machine."""
     wandb: str | None = None
     """Project of Weights & Biases that the curves go to."""
     dry_run: bool = False
@@ -41,6 +48,7 @@ class RunExperiment:
         "coopenv experiment rewards.toml --dry-run",
         "coopenv experiment rewards.toml --workers 2",
         "coopenv experiment rewards.toml --tune 20 --out runs/tuned",
+        "coopenv experiment rewards.toml --ray --address auto",
     )
 
     def run(self) -> dict[str, Any]:
@@ -51,6 +59,10 @@ class RunExperiment:
 
         from coopenv.agents.experiments import load
 
+        if self.address is not None and not self.ray:
+            raise InvalidInput(
+                f"address must come with ray, got {self.address!r} without it; add --ray"
+            )
         experiment, search = load(self.file)
         if self.out is not None:
             experiment = replace(experiment, out=self.out)
@@ -154,9 +166,14 @@ def _conduct(
         found()  # told before the first cell
     progress = bar_over if console.is_terminal else lines_over
     try:
-        with progress(console) as show:
+        with _nodes(command, console) as nodes, progress(console) as show:
             outcome = conduct(
-                experiment, search=search, tune=tune, workers=command.workers, show=show
+                experiment,
+                search=search,
+                tune=tune,
+                workers=command.workers,
+                show=show,
+                nodes=nodes,
             )
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(
@@ -167,6 +184,19 @@ def _conduct(
         _print_files(experiment.out, outcome.files, console)
     _raise_failures(outcome, experiment.out)
     return _document(outcome.results, experiment.out, outcome.files)
+
+
+@contextmanager
+def _nodes(command: RunExperiment | Sweep, console: "Console") -> Iterator["Nodes | None"]:
+    """Those of Ray where they are asked for, told of before the first cell."""
+    from coopenv.agents.experiments import joined
+
+    if isinstance(command, Sweep) or not command.ray:
+        yield None
+        return
+    with joined(command.address) as nodes:
+        console.print(str(nodes), highlight=False)
+        yield nodes
 
 
 def _raise_failures(outcome: "Outcome", out: Path) -> None:

@@ -2,6 +2,8 @@
 
 import io
 import re
+import sys
+from contextlib import contextmanager
 
 import pytest
 
@@ -14,7 +16,8 @@ from coopenv import cli
 from coopenv.agents import experiments
 from coopenv.agents.experiments import conduct, run
 from coopenv.cli.progress import bar_over
-from tests.agents.experiments.cases import TEXT, here, no_pictures, small
+from tests.agents.experiments.cases import TEXT, files, here, no_pictures, small
+from tests.agents.experiments.nodes.cases import Threads
 
 
 @pytest.fixture
@@ -90,6 +93,40 @@ def test_an_option_that_breaks_its_rule_is_refused_before_anything_is_written(
     out = tmp_path / "out"
     assert cli.main(["experiment", str(file), f"--out={out}", option, *dry]) == 1
     assert said in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_grid_on_rays_nodes_says_which_and_leaves_the_same_report(
+    file, tmp_path, monkeypatch, capsys
+):
+    asked = []
+
+    class Nodes(Threads):
+        def __str__(self):
+            return "Ray: 3 nodes, 24 cores"
+
+    @contextmanager
+    def joined(address):
+        asked.append(address)
+        yield Nodes()
+
+    monkeypatch.setattr(experiments, "joined", joined)
+    outs = [tmp_path / name for name in ("here", "there")]
+    for out, options in zip(outs, ([], ["--ray", "--address=auto"]), strict=True):
+        assert cli.main(["experiment", str(file), f"--out={out}", *options]) == 0
+    assert asked == ["auto"]
+    assert capsys.readouterr().out.count("Ray: 3 nodes, 24 cores") == 1
+    assert files(outs[0]) == files(outs[1])
+
+
+def test_a_grid_asks_for_ray_only_where_it_is_wanted_and_there(file, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    out = tmp_path / "out"
+    assert cli.main(["experiment", str(file), f"--out={out}", "--ray"]) == 1
+    assert "pip install 'coopenv[ray]'" in capsys.readouterr().err
+    assert cli.main(["experiment", str(file), f"--out={out}", "--address=auto"]) == 1
+    assert "address must come with ray, got 'auto'" in capsys.readouterr().err
+    assert cli.main(["experiment", str(file), "--ray", "--dry-run"]) == 0
     assert not out.exists()
 
 

@@ -72,6 +72,15 @@ def test_levels_go_over_what_all_cells_have(tmp_path):
         assert (environment.observe == ("goal", "twist")) == (cell.levels["observation"] == "two")
 
 
+def test_a_whole_number_may_be_written_as_a_float_and_is_the_same(tmp_path):
+    written = {"steps": 3e5, "epochs": 3.0, "num_worlds": 64.0, "rollout": 32.0}
+    (floats,) = small(tmp_path, grid={}, seeds=1, training={**written, "hidden": [8.0]}).cells()
+    numbers = {name: int(value) for name, value in written.items()}
+    (wholes,) = small(tmp_path, grid={}, seeds=1, training={**numbers, "hidden": [8]}).cells()
+    assert floats.digest() == wholes.digest()
+    assert repr(floats.training) == repr(wholes.training)
+
+
 def test_what_a_result_depends_on_changes_the_mark_of_a_cell_and_nothing_else_does(tmp_path):
     (cell,) = small(tmp_path, grid={}, seeds=1).cells()
     for same in (cell.at(tmp_path / "b"), replace(cell, wandb="x")):
@@ -94,6 +103,10 @@ def test_a_level_may_need_one_of_another_axis(tmp_path):
 
 MISTAKES = [  # what stands there -> what is written instead, and what is said
     ('kind = "LoadShare"', 'kind = "LodShare"', "did you mean 'LoadShare'"),
+    ('kind = "LoadShare"', 'kid = "LoadShare"', "did you mean 'kind'"),
+    ("epochs = 1", "epochs = 1e30", "epochs must be at most"),
+    ("batch_size = 16", "batch_size = 1e30", "batch_size must be at most"),
+    ("hidden = [8]", "hidden = [1e30]", "hidden must be"),
     ('method = "moore_penrose"', 'method = "moore"', "did you mean 'moore_penrose'"),
     ("wanted = [0.8, 0.2]", "wanted = [0.8, 0.1, 0.1]", "2 agents"),
     ("wanted = [0.8, 0.2]", "wnted = [0.8, 0.2]", "did you mean 'wanted'"),
@@ -154,7 +167,10 @@ SEARCHES = [  # under [search]; the line that is wrong comes last
     ("space.learning_rate = { low = 0.0, high = 0.1, log = true }", "positive"),
     ("space.hidden = { low = 1, high = 2 }", "choices"),
     ("space.batch_size = { choices = [0] }", "at least 2"),
-    ("space.batch_size = { chices = [8] }", "low and high, or choices"),
+    ("space.batch_size = { chices = [8] }", "did you mean 'choices'"),
+    ("space.epochs = { lw = 1, high = 2 }", "did you mean 'low'"),
+    ("space.epochs = { low = 1 }", "low and high, or choices"),
+    ("space.epochs = { choices = [1], low = 1 }", "choices or a range"),
 ]
 
 
