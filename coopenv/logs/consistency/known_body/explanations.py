@@ -153,7 +153,7 @@ def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator
     who, d = sums.named(group), len(sums.force_axes)
     keys = f"[sensors.{group[0] + 1}]" if len(group) == 1 else "each sensor's table"
 
-    mounted = {i: mounting(i, layout, d) for i in group}
+    mounted = {i: mounting(i, layout) for i in group}
 
     def left(force: FloatArray, torque: FloatArray) -> float:
         axes = {i: turn @ force @ turn.T for i, turn in mounted.items()}
@@ -165,6 +165,8 @@ def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator
     yield Explanation("sign", text, f"{keys} sign = {sign:g}", left(-UNIT, -UNIT), 0)
     text = f"torques of {who} have the other sign"
     yield Explanation("sign", text, "turn it, --map t1z=-t1z …", left(UNIT, -UNIT), 0)
+    if d == 2 and any(abs(turn[2, :2]).max() > 1e-3 for turn in mounted.values()):
+        return  # the file's axes are not those of the plane
     for a in sums.force_axes:
         flip = np.diag([-1.0 if b == a else 1.0 for b in range(3)])
         name = f"f{AXES[a]}"
