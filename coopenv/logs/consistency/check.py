@@ -59,9 +59,7 @@ class Check:
         else tells exactly; without it they are told where tables of the layout do not hide them.
     """
 
-    def __init__(
-        self, layout: Layout, devices: Devices | None = None, again: Again | None = None
-    ):
+    def __init__(self, layout: Layout, devices: Devices | None = None, again: Again | None = None):
         self._layout = layout
         self._segments = Segments()
         self._laws = Laws(layout)

@@ -149,7 +149,11 @@ def placed(said: tuple[float, ...], dimension: int, key: str) -> FloatArray:
     if said and len(said) != dimension:
         raise InvalidInput(
             f"{key} must be {dimension} numbers here, got {len(said)}; the recording is "
-            + ("in the plane" if dimension == 2 else "in space, or all six axes of a sensor are read")
+            + (
+                "in the plane"
+                if dimension == 2
+                else "in space, or all six axes of a sensor are read"
+            )
         )
     return np.array(said) if said else np.zeros(dimension)
 

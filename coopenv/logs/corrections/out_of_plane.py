@@ -1,4 +1,4 @@
-"""Six axes of a sensor in the plane: its whole wrench, the part in the plane, and what is left out."""
+"""Six axes of a sensor in the plane: its whole wrench, the part in the plane, and what is not."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

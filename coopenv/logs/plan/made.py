@@ -218,7 +218,9 @@ def _out_of_plane(need: "Need", layout: Layout, six_axes: Sequence[int]) -> list
     made: list[str] = []
     for number in six_axes:
         names = out_of_plane_names(number)
-        remedy = f"[sensors.{number}] is turned out of the plane, or has a tare or cross_talk of six"
+        remedy = (
+            f"[sensors.{number}] is turned out of the plane, or has a tare or cross_talk of six"
+        )
         made += need(*names[: 1 if layout.forces_only else 3], remedy=remedy)
     return made
 

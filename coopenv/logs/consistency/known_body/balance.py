@@ -63,9 +63,7 @@ class Balance:
 class Balancing:
     """Collects the rows of a recording that comes chunk by chunk, as many as fit in memory."""
 
-    def __init__(
-        self, layout: Layout, devices: Devices | None = None, again: Again | None = None
-    ):
+    def __init__(self, layout: Layout, devices: Devices | None = None, again: Again | None = None):
         self._layout, self._devices, self._again = layout, devices, again
         self._collected = Collected()
 

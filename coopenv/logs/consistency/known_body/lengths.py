@@ -11,6 +11,7 @@ import numpy as np
 
 from coopenv.arrays import FloatArray
 from coopenv.logs.calibration.body import Body
+from coopenv.logs.calibration.load import Load
 from coopenv.logs.consistency.known_body.found import Explanation
 from coopenv.logs.consistency.known_body.known import Windows
 from coopenv.logs.consistency.known_body.misfit import Misfit, reach_of
@@ -72,11 +73,11 @@ def _both(windows: Sequence[Windows], body: Body) -> tuple[FloatArray, FloatArra
 
 
 def _without_lengths(layout: Layout) -> Layout:
-    """Without what moves the origin, and acceleration of loads."""
+    """Without what moves an origin, and without all but the weight of loads."""
     sensors = {
-        number: each
-        if each.load is None
-        else replace(each, load=replace(each.load, window=None, inertia=None))
+        number: replace(
+            each, offset=(), load=each.load and Load(mass=each.load.mass, side=each.load.side)
+        )
         for number, each in layout.sensors.items()
     }
     return replace(layout, sensors=sensors, pose=replace(layout.pose, com=()))
@@ -116,9 +117,7 @@ def _as_it_is(units: Units, left: float, layout: Layout) -> Explanation:
     """Another unit of what was read, which the file or the layout is to have."""
     own, (positions, grips) = layout.length, units
     if positions == grips:
-        return Explanation(
-            "lengths", f"lengths are in {grips}", f"--length {grips}", left, RANK
-        )
+        return Explanation("lengths", f"lengths are in {grips}", f"--length {grips}", left, RANK)
     what, unit = ("grips", grips) if positions == own else ("positions", positions)
     remedy = f"bring all lengths into one unit and say it, as --length {own}"
     return Explanation("lengths", f"{what} are in {unit}", remedy, left, RANK)
@@ -128,9 +127,7 @@ def _scaled(layout: Layout, factor: float) -> Layout:
     """With all lengths that it says so many times as large."""
 
     def times(numbers: tuple) -> tuple:
-        return tuple(
-            times(each) if isinstance(each, tuple) else factor * each for each in numbers
-        )
+        return tuple(times(each) if isinstance(each, tuple) else factor * each for each in numbers)
 
     sensors = {
         number: replace(

@@ -12,9 +12,10 @@ from coopenv.logs.consistency.known_body.misfit import Misfit
 from coopenv.logs.layout import UNITS, Layout
 
 
-def mistakes_of_pose(windows: Sequence[Windows], layout: Layout, whose: str) -> Iterator[Explanation]:
+def mistakes_of_pose(
+    windows: Sequence[Windows], layout: Layout, whose: str
+) -> Iterator[Explanation]:
     """Mistakes of frames and of orientations, which are ``whose``, and grips exchanged."""
-
     dimension = windows[0].motion.dimension
 
     def share(change: Callable[[Motion], Motion]) -> float:
