@@ -126,7 +126,9 @@ def test_a_column_of_the_pose_that_is_mapped_too_is_told_so(apart, trial, tmp_pa
         said |= {"files": {"camera": {"path": "camera.npz"}}}
         said["pose"]["columns"] = [f"camera/q{k}" for k in range(4)]
     path = cases.save(columns, tmp_path / "a.npz")
-    says = r"a.npz: z must be mapped to a column that \[pose\] columns do not name, got 'q2', of which"
+    says = (
+        r"a.npz: z must be mapped to a column that \[pose\] columns do not name, got 'q2', of which"
+    )
     with pytest.raises(InvalidInput, match=says):
         read(path, laid(**said, columns={"z": "q2"}))
 

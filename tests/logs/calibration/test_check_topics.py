@@ -1,4 +1,4 @@
-"""A late topic of a bag, of which nothing was declared, is named with lines that keep the others."""
+"""A late topic of a bag of which nothing was declared is named with lines that keep the others."""
 
 import re
 from pathlib import Path

@@ -49,21 +49,38 @@ def lengths(
 
 
 def _shares(windows: Sequence[Windows], layout: Layout) -> dict[Units, float]:
-    """`Misfit.share` with positions and grips in every two units."""
+    """`Misfit.share` with positions and grips in every two units, about the point that suits it."""
     body, own = layout.body, layout.factor("length")
     still = [Windows(replace(each.motion, position=0 * each.motion.position)) for each in windows]
-    bare = [Windows(replace(each.motion, grips=0 * each.motion.grips)) for each in windows]
     acting, wanted = _both(windows, body)
-    torques, weight = _both(bare, body)[0], _both(still, body)[1]
+    torques, weight = _acting_at(windows, body, 0.0), _both(still, body)[1]
+    axes = np.eye(3)[: windows[0].motion.dimension] * any(layout.pose.com)
+    moved = np.stack([_acting_at(windows, body, 1.0, axis) - acting for axis in axes], axis=-1)
     reach = reach_of(windows)
     made = {}
     for position, first in UNITS["length"].items():
         for grips, second in UNITS["length"].items():
-            moved = weight + first / own * (wanted - weight)
+            needs = weight + first / own * (wanted - weight)
             acts = torques + second / own * (acting - torques)
-            misfit = Misfit.between(acts, moved, body, (reach, reach * second / own))
-            made[position, grips] = np.inf if misfit.is_still() else misfit.share()
+            misfit = Misfit.between(acts, needs, body, (reach, reach * second / own))
+            best = _about_another_point(misfit, moved)
+            made[position, grips] = np.inf if misfit.is_still() else misfit.share(best)
     return made
+
+
+def _acting_at(
+    windows: Sequence[Windows], body: Body, factor: float, shift: FloatArray | float = 0.0
+) -> FloatArray:
+    """Wrenches ``(W, 6)`` that act with other grips."""
+    motions = (replace(each.motion, grips=factor * each.motion.grips + shift) for each in windows)
+    return _both(list(map(Windows, motions)), body)[0]
+
+
+def _about_another_point(misfit: Misfit, moved: FloatArray) -> FloatArray:
+    """What acts about the point that leaves the least; ``moved`` is how it changes by metres."""
+    columns = (moved / misfit.scale[:, None]).reshape(-1, moved.shape[-1])
+    left = ((misfit.wanted - misfit.acting) / misfit.scale).ravel()
+    return misfit.acting + moved @ np.linalg.lstsq(columns, left, rcond=1e-9)[0]
 
 
 def _both(windows: Sequence[Windows], body: Body) -> tuple[FloatArray, FloatArray]:
