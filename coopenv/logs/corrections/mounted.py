@@ -52,17 +52,10 @@ class Mounted:
         rotation = sensor.axes(angle) if six_axes else sensor.matrix(d, angle, key)
         if rotation is not None:
             rotation = rotation * np.outer(flip, flip)
-        cross_talk = None
-        if sensor.cross_talk is not None:
-            cross_talk = _sized(np.array(sensor.cross_talk), size, f"{key}.cross_talk", d)
-            cross_talk = cross_talk * np.outer(flips, flips)
-        tare = None
-        if sensor.tare is not None and not isinstance(sensor.tare, Tare):
-            units = [layout.factor("force")] * d + [layout.factor("torque")] * (size - d)
-            tare = _sized(np.array(sensor.tare), size, f"{key}.tare", d) * units * flips
+        tare, cross_talk = _of_readings(sensor, layout, flips, d, key)
         flat = six_axes and not sensor.is_tilted(angle)  # whose z is that of the plane
-        offset = _of_six(sensor.offset, flat) if six_axes else sensor.offset
-        offset = placed(offset, d, f"{key}.offset") * layout.factor("length") * flip
+        offset = placed(_of_six(sensor.offset, flat), d, f"{key}.offset")
+        offset = offset * layout.factor("length") * flip
         return cls(
             place=number - 1,
             tare=tare,
@@ -156,6 +149,20 @@ def placed(said: tuple[float, ...], dimension: int, key: str) -> FloatArray:
             )
         )
     return np.array(said) if said else np.zeros(dimension)
+
+
+def _of_readings(
+    sensor: Sensor, layout: Layout, flips: FloatArray, d: int, key: str
+) -> tuple[FloatArray | None, FloatArray | None]:
+    """Constant tare and cross-talk matrix, if there are any."""
+    size, tare, cross_talk = len(flips), None, None
+    if sensor.cross_talk is not None:
+        cross_talk = _sized(np.array(sensor.cross_talk), size, f"{key}.cross_talk", d)
+        cross_talk = cross_talk * np.outer(flips, flips)
+    if sensor.tare is not None and not isinstance(sensor.tare, Tare):
+        units = [layout.factor("force")] * d + [layout.factor("torque")] * (size - d)
+        tare = _sized(np.array(sensor.tare), size, f"{key}.tare", d) * units * flips
+    return tare, cross_talk
 
 
 def _of_six(said: tuple[float, ...], flat: bool) -> tuple[float, ...]:
