@@ -136,11 +136,13 @@ class Sensor:
         beyond = np.linalg.norm(self.axes(angle)[:2, 2])
         return bool(np.degrees(np.arcsin(min(1.0, float(beyond)))) > MOST_TILT)
 
-    def needs_six_axes(self, angle: float) -> bool:
-        """Whether all six axes are read in the plane too: tilted, or corrected as all six."""
-        sizes = [0 if self.cross_talk is None else len(self.cross_talk)]
-        sizes += [len(self.tare)] if isinstance(self.tare, tuple) else []
-        return max(sizes) == 6 or self.is_tilted(angle)
+    def asks_for_six_axes(self, angle: float) -> str:
+        """The key for which all six axes are read in the plane too; empty where none asks."""
+        for key in ("cross_talk", "tare"):
+            said = getattr(self, key)
+            if isinstance(said, tuple) and len(said) == 6:
+                return key
+        return "rotation" if self.is_tilted(angle) else ""
 
 
 def _checked_rotation(value: Any, key: str) -> Any:

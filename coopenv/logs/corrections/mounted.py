@@ -44,7 +44,7 @@ class Mounted:
     def of(cls, number: int, sensor: Sensor, layout: Layout, dimension: int) -> "Mounted":
         """As the layout declares it, for a recording in the plane or in space."""
         key, angle = f"sensors.{number}", layout.factor("angle")
-        six_axes = dimension == 2 and sensor.needs_six_axes(angle)
+        six_axes = dimension == 2 and sensor.asks_for_six_axes(angle) != ""
         d = 3 if six_axes else dimension
         size = 3 if d == 2 else 6
         flips = np.array([1.0, -1.0, -1.0] * (size // 3)) if layout.y == "down" else np.ones(size)

@@ -209,7 +209,7 @@ def _corrected(need: "Need", layout: Layout, dimension: int) -> list[str]:
 def _six_axes(layout: Layout, count: int, dimension: int) -> tuple[int, ...]:
     """Effectors whose sensors are corrected as all six axes are, in the plane."""
     angle = layout.factor("angle")
-    asked = (i for i, each in layout.sensors.items() if each.needs_six_axes(angle))
+    asked = (i for i, each in layout.sensors.items() if each.asks_for_six_axes(angle))
     return tuple(sorted(i for i in asked if i <= count)) if dimension == 2 else ()
 
 

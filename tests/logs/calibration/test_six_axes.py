@@ -150,7 +150,7 @@ def test_what_is_left_out_is_told_in_numbers(tmp_path):
 def test_a_tilted_sensor_without_its_other_axes_is_refused_by_their_names(tmp_path):
     columns = six_axis(cases.planar(30), turned(TILTED))
     del columns["t1x"]
-    says = r"a.npz: column t1x must be there.*\[sensors.1\] is turned out of the plane"
+    says = r"a.npz: column t1x must be there.*sensors.1.rotation is of all six axes"
     with pytest.raises(InvalidInput, match=says):
         read_in_the_plane(columns, tmp_path, {"rotation": TILTED})
     columns = six_axis(cases.planar(30), turned(TILTED))

@@ -167,7 +167,7 @@ def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
         return _listed(place / unit, 3)
     own = mounting(i, layout).T @ np.resize([*place, 0.0], 3)
     known = np.resize([*sensor.offset, 0.0], 3) if sensor.offset else np.zeros(3)
-    of_six = sensor.needs_six_axes(layout.factor("angle"))  # whose z may be in the plane
+    of_six = sensor.asks_for_six_axes(layout.factor("angle"))  # whose z may be in the plane
     return _listed((own / unit + known)[: 3 if of_six else len(place)], 3)
 
 

@@ -30,22 +30,20 @@ def lengths(
     said = layout if again is None else again.layout
     reach = reach_of(windows)
     plain = _without_lengths(said)
-    if again is not None and plain != said:
-        windows = again.windows(plain) or windows
-    shares = _shares(windows, said)
+    shares = _shares((again.windows(plain) if again and plain != said else []) or windows, said)
     own = said.length
     best = min(shares, key=lambda units: shares[units])
     if not shares[best] < PLAINLY * shares[own, own]:
         return
     if again is None:
-        yield _as_it_is(best, shares[best], said)
+        yield _as_it_is(best, windows, said)
         return
     near = [best] if best[0] == own else [best, (best[0], best[0]), (best[0], own)]
     for units in dict.fromkeys(near):
         declared = list(_declared(units, again))
         yield from again.explanations(declared, reach)
         if not declared and own in units:  # no layout says so
-            yield _as_it_is(units, shares[units], said)
+            yield _as_it_is(units, windows, said)
 
 
 def _shares(windows: Sequence[Windows], layout: Layout) -> dict[Units, float]:
@@ -130,9 +128,18 @@ def _declared(units: Units, again: Again) -> Iterator[Declared]:
             yield Declared("lengths", text, remedy, _scaled(layout, factor), RANK)
 
 
-def _as_it_is(units: Units, left: float, layout: Layout) -> Explanation:
+def _as_it_is(units: Units, windows: Sequence[Windows], layout: Layout) -> Explanation:
     """Another unit of what was read, which the file or the layout is to have."""
     own, (positions, grips) = layout.length, units
+    first, second = (UNITS["length"][unit] / layout.factor("length") for unit in units)
+    motions = (
+        replace(
+            each.motion, position=first * each.motion.position, grips=second * each.motion.grips
+        )
+        for each in windows
+    )
+    made, dimension = list(map(Windows, motions)), windows[0].motion.dimension
+    left = Misfit.of(made, layout.body, dimension, reach_of(windows)).share()
     if positions == grips:
         return Explanation("lengths", f"lengths are in {grips}", f"--length {grips}", left, RANK)
     what, unit = ("grips", grips) if positions == own else ("positions", positions)
