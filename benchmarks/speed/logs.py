@@ -77,10 +77,10 @@ def tables(rows: int = ROWS, kinds: tuple[LogFile, ...] = ALL) -> tuple[list[str
     return columns, lines
 
 
-def longer() -> tuple[list[str], list[list[str]]]:
+def longer(kinds: tuple[LogFile, ...]) -> tuple[list[str], list[list[str]]]:
     """Columns and rows of the memory that longer files take."""
     lines = []
-    for kind in (each for each in ALL if each.name in LONG_KINDS):
+    for kind in (each for each in kinds if each.name in LONG_KINDS):
         lines.append([kind.name, kind.out, *(f"{peak:.0f}" for peak in measure(kind, LONG)[1])])
         print(*lines[-1], sep="\t", file=sys.stderr, flush=True)
     return ["file", "table", *(f"{rows:,} rows [MiB]" for rows in LONG)], lines
@@ -98,19 +98,14 @@ def main() -> None:
     if args.child:
         child(args.child[0], args.child[1:])
         return
-    if args.long:
-        table = markdown(*longer())
-        print(table)
-        if args.write:
-            fill(recordings.PAGE, {"long": table})
-        return
     kinds = tuple(kind for kind in ALL if kind.name in args.only)
-    columns, lines = tables(args.rows, kinds)
+    columns, lines = longer(kinds) if args.long else tables(args.rows, kinds)
     print(markdown(columns, lines))
     if args.write:
-        known = {line[0]: line for line in (*cells(recordings.PAGE, "speed")[1:], *lines)}
+        mark = "long" if args.long else "speed"
+        known = {line[0]: line for line in (*cells(recordings.PAGE, mark)[1:], *lines)}
         kept = [known[kind.name] for kind in ALL if kind.name in known]
-        fill(recordings.PAGE, {"speed": markdown(columns, kept)})
+        fill(recordings.PAGE, {mark: markdown(columns, kept)})
 
 
 if __name__ == "__main__":

@@ -36,7 +36,8 @@ def lengths(
     if not shares[best] < PLAINLY * shares[own, own]:
         return
     if again is None:
-        yield _as_it_is(best, windows, said)
+        if own in best or best[0] == best[1]:  # else they are two mistakes
+            yield _as_it_is(best, windows, said)
         return
     near = [best] if best[0] == own else [best, (best[0], best[0]), (best[0], own)]
     for units in dict.fromkeys(near):
