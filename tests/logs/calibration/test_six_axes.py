@@ -22,7 +22,7 @@ HANDLE, HUNG = 0.4, np.array([0.02, 0.01, 0.06])  # [kg], [m] from the sensor, i
 BODY = {"mass": motions.MASS, "inertia": motions.INERTIA, "drag": (2.0, 0.3)}
 
 
-def six_axis(columns: dict, turn: Rotation, *habits: str) -> dict[str, Any]:
+def six_axis(columns: dict[str, Any], turn: Rotation, *habits: str) -> dict[str, Any]:
     """The columns, where the first wrench is read by a sensor of six axes, turned and beside."""
     rows = len(columns["time"])
     beyond = BEYOND * np.sin(np.arange(rows)[:, None] + np.arange(3))
@@ -41,7 +41,8 @@ def six_axis(columns: dict, turn: Rotation, *habits: str) -> dict[str, Any]:
         read = read @ np.linalg.inv(CROSS_TALK).T
     read = -read if "sign" in habits else read
     read = read + TARE if "tare" in habits else read
-    return columns | dict(zip(("f1x", "f1y", "f1z", "t1x", "t1y", "t1z"), read.T, strict=True))
+    names: list[str] = ["f1x", "f1y", "f1z", "t1x", "t1y", "t1z"]
+    return columns | dict(zip(names, read.T, strict=True))
 
 
 def read_in_the_plane(columns: dict, folder, sensor: dict, **said: Any) -> Any:
