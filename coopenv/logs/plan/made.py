@@ -218,9 +218,8 @@ def _out_of_plane(need: "Need", layout: Layout, six_axes: Sequence[int]) -> list
     made: list[str] = []
     for number in six_axes:
         names = out_of_plane_names(number)
-        remedy = (
-            f"[sensors.{number}] is turned out of the plane, or has a tare or cross_talk of six"
-        )
+        key = layout.sensors[number].asks_for_six_axes(layout.factor("angle"))
+        remedy = f"sensors.{number}.{key} is of all six axes, which are read in the plane too"
         made += need(*names[: 1 if layout.forces_only else 3], remedy=remedy)
     return made
 
