@@ -10,7 +10,8 @@ MEANING = {  # table.key -> default, meaning
     "sensors.1.offset": ("0", "from its origin to the grip, along its axes, unit of lengths"),
     "sensors.1.tare": (
         "none",
-        "a wrench in its axes, the layout's units, of six numbers in the plane too; or `{ first = 2.0 }` [s], `{ rests = [[0, 2], "
+        "a wrench in its axes, the layout's units, of six numbers in the plane too; or "
+        "`{ first = 2.0 }` [s], `{ rests = [[0, 2], "
         '[58, 60]] }` [s], between two of which it drifts linearly, `{ file = "zero.csv" }`, '
         "whose place is told from the layout's folder",
     ),
