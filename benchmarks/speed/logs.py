@@ -3,6 +3,7 @@
     python -m benchmarks.speed.logs [rows]     # prints them
     python -m benchmarks.speed.logs --write    # and puts them on docs/recordings.md
     python -m benchmarks.speed.logs --only .mcap .db3 --write    # of some kinds
+    python -m benchmarks.speed.logs --long --write    # only memory, of longer files of a few kinds
 
 Each line is that of a process of its own, which decomposes three files of two planar effectors: one
 of a thousand rows to load and compile everything, a tenth of the rows, and all of them for the
@@ -23,20 +24,22 @@ from benchmarks.speed.log_files import ALL, GRIPS, LogFile
 
 ROWS = 1_000_000
 FEW = 1_000
+LONG = (400_000, 1_000_000, 4_000_000)  # rows, by which the samples of the summary are full
+LONG_KINDS = (".csv", ".csv.gz")
 MIB = 1024  # [KiB]
 
 
-def measure(kind: LogFile, rows: int) -> tuple[float, float, float]:
-    """CPU seconds, and memory above that for a small file for a tenth of the rows and all [MiB]."""
+def measure(kind: LogFile, rows: tuple[int, ...]) -> tuple[float, list[float]]:
+    """CPU seconds of the longest of files, and memory for each above that for a small one [MiB]."""
     with tempfile.TemporaryDirectory() as folder:
         files = []
-        for count in (FEW, rows // 10, rows):
+        for count in (FEW, *rows):
             (Path(folder) / f"{count}").mkdir()
             files.append(str(kind.write(Path(folder) / f"{count}", count)))
         command = [sys.executable, "-m", "benchmarks.speed.logs", "--child", kind.name, *files]
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    cpu, *peaks = json.loads(done.stdout)
-    return cpu, peaks[1] - peaks[0], peaks[2] - peaks[0]
+    cpu, first, *peaks = json.loads(done.stdout)
+    return cpu, [peak - first for peak in peaks]
 
 
 def child(name: str, files: list[str]) -> None:
@@ -67,11 +70,20 @@ def tables(rows: int = ROWS, kinds: tuple[LogFile, ...] = ALL) -> tuple[list[str
     """Columns and rows of what this module measures."""
     lines = []
     for kind in kinds:
-        cpu, tenth, whole = measure(kind, rows)
+        cpu, (tenth, whole) = measure(kind, (rows // 10, rows))
         lines.append([kind.name, kind.out, f"{cpu:.1f}", f"{tenth:.0f}", f"{whole:.0f}"])
         print(*lines[-1], sep="\t", file=sys.stderr, flush=True)
     columns = ["file", "table", "CPU s", f"{rows // 10:,} rows [MiB]", f"{rows:,} rows [MiB]"]
     return columns, lines
+
+
+def longer(kinds: tuple[LogFile, ...]) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows of the memory that longer files take."""
+    lines = []
+    for kind in (each for each in kinds if each.name in LONG_KINDS):
+        lines.append([kind.name, kind.out, *(f"{peak:.0f}" for peak in measure(kind, LONG)[1])])
+        print(*lines[-1], sep="\t", file=sys.stderr, flush=True)
+    return ["file", "table", *(f"{rows:,} rows [MiB]" for rows in LONG)], lines
 
 
 def main() -> None:
@@ -79,6 +91,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("rows", nargs="?", type=int, default=ROWS)
     parser.add_argument("--write", action="store_true")
+    parser.add_argument("--long", action="store_true")
     parser.add_argument("--only", nargs="+", default=[each.name for each in ALL])
     parser.add_argument("--child", nargs="+", help=argparse.SUPPRESS)
     args = parser.parse_args()
@@ -86,12 +99,13 @@ def main() -> None:
         child(args.child[0], args.child[1:])
         return
     kinds = tuple(kind for kind in ALL if kind.name in args.only)
-    columns, lines = tables(args.rows, kinds)
+    columns, lines = longer(kinds) if args.long else tables(args.rows, kinds)
     print(markdown(columns, lines))
     if args.write:
-        known = {line[0]: line for line in (*cells(recordings.PAGE, "speed")[1:], *lines)}
+        mark = "long" if args.long else "speed"
+        known = {line[0]: line for line in (*cells(recordings.PAGE, mark)[1:], *lines)}
         kept = [known[kind.name] for kind in ALL if kind.name in known]
-        fill(recordings.PAGE, {"speed": markdown(columns, kept)})
+        fill(recordings.PAGE, {mark: markdown(columns, kept)})
 
 
 if __name__ == "__main__":

@@ -73,3 +73,8 @@ def wrench_names(num_effectors: int, dimension: int) -> list[str]:
     forces = effector_names("f", num_effectors, dimension)
     torques = effector_names("t", num_effectors, dimension)
     return [name for force, torque in zip(forces, torques, strict=True) for name in force + torque]
+
+
+def out_of_plane_names(number: int) -> tuple[str, str, str]:
+    """What an effector has out of the plane: force along z, torques about x and y."""
+    return f"f{number}z", f"t{number}x", f"t{number}y"

@@ -7,7 +7,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.logs.columns import ORIENTATION, POSITION, TORQUES, TWIST
+from coopenv.logs.columns import (
+    ORIENTATION,
+    POSITION,
+    TORQUES,
+    TWIST,
+    out_of_plane_names,
+)
 from coopenv.logs.formats.chunks import Chunk
 from coopenv.logs.layout import Layout
 from coopenv.logs.plan import Plan
@@ -23,6 +29,7 @@ class Measured:
     position: FloatArray | None  # (T, d)
     orientation: FloatArray | None  # (T,), in space (T, 4) quaternion w, x, y, z
     twist: FloatArray | None  # (T, 3 or 6)
+    out_of_plane: FloatArray | None = None  # (T, n, 3) fz, tx, ty of some, zero of others
 
     @classmethod
     def of(cls, chunk: Chunk, plan: Plan, forces_only: bool) -> "Measured":
@@ -39,6 +46,7 @@ class Measured:
             position=_stacked(chunk, plan, POSITION[dimension]),
             orientation=orientation,
             twist=_stacked(chunk, plan, TWIST[dimension]),
+            out_of_plane=_out_of_plane(chunk, plan),
         )
 
     def turn_over(self) -> None:
@@ -52,6 +60,8 @@ class Measured:
             self.orientation = -self.orientation
         if self.twist is not None:
             self.twist = self.twist * np.array([1.0, -1.0, -1.0])
+        if self.out_of_plane is not None:  # turned about x by half a turn
+            self.out_of_plane = self.out_of_plane * np.array([-1.0, 1.0, -1.0])
 
     def turn_to_object(self, layout: Layout, good: BoolArray) -> None:
         """From the world frame to the object's whatever the layout says is in the world frame."""
@@ -63,6 +73,10 @@ class Measured:
             self.force = to_object(self.force, rotation)
             if dimension == 3:
                 self.torque = to_object(self.torque, rotation)
+            if self.out_of_plane is not None:
+                force, torque = self.out_of_plane[..., :1], self.out_of_plane[..., 1:]
+                parts = [force, to_object(torque, rotation)]
+                self.out_of_plane = np.concatenate(parts, axis=-1)
         if layout.twist_frame == "world" and self.twist is not None:
             parts = [to_object(self.twist[:, :dimension], rotation), self.twist[:, dimension:]]
             if dimension == 3:
@@ -117,3 +131,15 @@ def _of_effectors(chunk: Chunk, plan: Plan, kind: str) -> FloatArray:
     return np.stack(
         [np.stack([in_si(chunk, plan, name) for name in group], -1) for group in groups], 1
     )
+
+
+def _out_of_plane(chunk: Chunk, plan: Plan) -> FloatArray | None:
+    """``(T, n, 3)`` of the effectors of which all six axes are read; zero of the others."""
+    if not plan.six_axes:
+        return None
+    made = np.zeros((chunk.rows, plan.num_effectors, 3))
+    for number in plan.six_axes:
+        for j, name in enumerate(out_of_plane_names(number)):
+            if name in plan.source:
+                made[:, number - 1, j] = in_si(chunk, plan, name)
+    return made

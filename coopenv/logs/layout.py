@@ -139,6 +139,12 @@ class Layout(Joining):
         """What a number of that quantity is multiplied with to be in SI units."""
         return UNITS[quantity].get(getattr(self, quantity), 1.0)  # times as text come in seconds
 
+    def rows_of_grips(self, num_effectors: int) -> list[tuple[float, ...]]:
+        """The grips as they are said, one an effector; none where none is said."""
+        if self.grips is None:
+            return []
+        return list(map(tuple, np.array(self.grips).reshape(num_effectors, -1).tolist()))
+
     def grips_of(self, num_effectors: int) -> FloatArray | None:
         """The grips ``(n, 2)`` or ``(n, 3)`` [m] of that many effectors, y as in the file."""
         if self.grips is None:

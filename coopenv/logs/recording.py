@@ -60,6 +60,7 @@ def read(
     """
     reader = Reader(path, layout, bad_rows=bad_rows)
     recording = Recording.joined(list(reader))
+    recording = replace(recording, done=reader.done)  # some of it is known at the end alone
     for note in reader.notes:
         if note.startswith(WARNING):
             warnings.warn(note.removeprefix(WARNING), stacklevel=2)
@@ -223,7 +224,7 @@ class Reader:
                 measured.turn_to_object(layout, good)
             time = in_si(chunk, plan, "time") if plan.has(["time"]) else None
         applied = np.concatenate([measured.force, measured.torque], axis=-1)
-        for array in (applied, measured.twist, measured.grips):
+        for array in (applied, measured.twist, measured.grips, measured.out_of_plane):
             if array is not None:
                 array[~good] = np.nan
         grips = measured.grips if measured.grips is not None else self._grips
@@ -238,6 +239,7 @@ class Reader:
             carried=chunk.carried,
             trial=trial,
             good=good,
+            out_of_plane=measured.out_of_plane,
         )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from coopenv.errors import InvalidInput
 from coopenv.files import require_writable, writing, written
 from coopenv.logs.analysis import analyse
-from coopenv.logs.consistency import Check
+from coopenv.logs.consistency import Again, Check
 from coopenv.logs.consistency.told import Checked
 from coopenv.logs.figure import Picture
 from coopenv.logs.formats import FORMATS, find_format, open_sink, table_beside
@@ -40,8 +40,12 @@ def check_file(
     InvalidInput
         If the file, a column or a row is wrong; the message names file, line and column.
     """
+    layout = layout if layout is not None else Layout()
     reader = Reader(path, layout, bad_rows=bad_rows)
-    check, rows = Check(reader.layout, reader.devices), 0
+    again = Again(
+        layout, tuple(reader.plan.source), lambda other: Reader(path, other, bad_rows=bad_rows)
+    )
+    check, rows = Check(reader.layout, reader.devices, again), 0
     for recording in reader:
         check.add(recording)
         rows += len(recording)

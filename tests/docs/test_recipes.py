@@ -43,8 +43,18 @@ def test_the_layout_of_a_recipe_reads_the_makers_file(maker, tmp_path):
     np.testing.assert_allclose(same, 1.0, rtol=0, atol=LATE**2)
 
 
+def test_a_sensor_on_its_side_is_turned_into_the_plane(tmp_path):
+    makers.MAKERS["ati_daq"](tmp_path)
+    (tmp_path / "said.toml").write_text(LAYOUTS["on_its_side"], encoding="utf-8")
+    seen = read(tmp_path / "left.csv", Layout.load(tmp_path / "said.toml"))
+    fx, _, fz, _, ty, _ = cases.wrench(dict(makers.trial()))[:, 0].T
+    up = np.stack([fx - 0.5, -(fz - 1.0), ty - 0.02], axis=-1)  # x y z is the object's x z -y
+    np.testing.assert_allclose(seen.applied[:, 0], up, rtol=0, atol=1e-5)
+    assert re.match(r"sensor 1: [\d.]+ N and [\d.]+ N·m out of the plane left out", seen.done[-1])
+
+
 def test_every_maker_has_a_command():
     assert set(FILES) == set(makers.MAKERS)
-    assert set(LAYOUTS) == set(makers.MAKERS) - {"matlab73"}
+    assert set(LAYOUTS) == {*makers.MAKERS, "on_its_side"} - {"matlab73"}
     for name in ("ATI", "JR3", "OnRobot", "OptiTrack", "Vicon", "ROS", "MATLAB"):
         assert re.search(rf"^## .*{name}", TEXT, flags=re.MULTILINE)

@@ -45,6 +45,7 @@ def test_what_is_written_in_pieces_is_read_back_in_pieces(suffix, tmp_path, monk
     columns = cases.planar(30) | {"who": np.repeat(["ann", "b, c", 'd "e"'], 10).astype(object)}
     columns["f1x"][7] = np.nan
     path = tmp_path / f"a{suffix.upper()}"
+    monkeypatch.setattr("coopenv.logs.formats.text.WRITTEN", 7)
     sink = formats.open_sink(path)
     for rows in (slice(0, 1), slice(1, 20), slice(20, 30)):
         sink.write({name: values[rows] for name, values in columns.items()})

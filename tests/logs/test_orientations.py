@@ -116,6 +116,23 @@ def test_an_orientation_is_said_once(said, says):
         laid(**said)
 
 
+@pytest.mark.parametrize("apart", [False, True], ids=["one file", "of a device"])
+def test_a_column_of_the_pose_that_is_mapped_too_is_told_so(apart, trial, tmp_path):
+    columns = called(trial, [f"q{k}" for k in range(4)])
+    said: dict[str, Any] = {"pose": {"columns": ["q0", "q1", "q2", "q3"], "order": "xyzw"}}
+    if apart:
+        moved = {name: columns.pop(name) for name in ("q0", "q1", "q2", "q3", "x", "y", "z")}
+        cases.save({"time": columns["time"]} | moved, tmp_path / "camera.npz")
+        said |= {"files": {"camera": {"path": "camera.npz"}}}
+        said["pose"]["columns"] = [f"camera/q{k}" for k in range(4)]
+    path = cases.save(columns, tmp_path / "a.npz")
+    says = (
+        r"a.npz: z must be mapped to a column that \[pose\] columns do not name, got 'q2', of which"
+    )
+    with pytest.raises(InvalidInput, match=says):
+        read(path, laid(**said, columns={"z": "q2"}))
+
+
 def test_an_order_of_columns_that_are_not_there_is_refused(tmp_path):
     path = cases.save(cases.planar(3), tmp_path / "a.npz")
     with pytest.raises(InvalidInput, match=r"qw, qx, qy and qz, of which pose.order is, must be"):

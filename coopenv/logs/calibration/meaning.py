@@ -10,11 +10,15 @@ MEANING = {  # table.key -> default, meaning
     "sensors.1.offset": ("0", "from its origin to the grip, along its axes, unit of lengths"),
     "sensors.1.tare": (
         "none",
-        "a wrench in its axes, the layout's units; or `{ first = 2.0 }` [s], `{ rests = [[0, 2], "
+        "a wrench in its axes, the layout's units, of six numbers in the plane too; or "
+        "`{ first = 2.0 }` [s], `{ rests = [[0, 2], "
         '[58, 60]] }` [s], between two of which it drifts linearly, `{ file = "zero.csv" }`, '
         "whose place is told from the layout's folder",
     ),
-    "sensors.1.cross_talk": ("none", "matrix that a reading is multiplied with, in SI units"),
+    "sensors.1.cross_talk": (
+        "none",
+        "3 by 3 or, in the plane too, 6 by 6: what a reading is multiplied with, in SI units",
+    ),
     "sensors.1.load.mass": ("", "of what hangs between sensor and hand [kg]"),
     "sensors.1.load.center": ("0", "of its mass, from the sensor's origin, its axes"),
     "sensors.1.load.inertia": ("none", "about that, the sensor's axes [kg m²]; needs `window`"),

@@ -18,7 +18,7 @@ from coopenv.logs.calibration.orientation import (
 from coopenv.logs.calibration.stated import LARGEST, square, stated, vector, vector_or_nothing
 
 TURNS = ("quaternion", "euler")  # ways to write a rotation in space beside a matrix
-MOST_TILT = 0.01  # [degrees] by which a rotation may turn the plane out of itself: rounding
+MOST_TILT = 0.01  # [degrees] by which a sensor is turned out of the plane: less is rounding
 RESTS = "a rest is two times [start, end] in seconds"
 
 
@@ -101,30 +101,48 @@ class Sensor:
 
         ``rotation`` is a number in the plane, in both a matrix, ``{quaternion = [...], order =
         "wxyz"}`` or ``{euler = [...], order = "ZYX"}``; ``angle`` is the unit of angles [rad]. In
-        the plane one in space must leave the plane in place; it is mirrored of a sensor that is
-        upside down.
+        the plane it is mirrored of a sensor that is upside down.
 
         Raises
         ------
         InvalidInput
-            If it is one in the plane and the recording is in space, or turns out of the plane.
+            If it is one in the plane and the recording is in space.
         """
         said = self.rotation
-        if said is None:
-            return None
+        in_plane = isinstance(said, float) or (isinstance(said, tuple) and len(said) == 2)
+        if dimension != 2 and in_plane:
+            raise InvalidInput(
+                f"{key}.rotation must be one in space, got one in the plane; write a matrix, "
+                "quaternion or Euler angles"
+            )
+        return None if said is None else self.axes(angle)[:dimension, :dimension]
+
+    def axes(self, angle: float) -> FloatArray:
+        """Its axes seen from the object as columns ``(3, 3)``, z out of the plane; see `matrix`."""
+        said, made = self.rotation, np.eye(3)
         if isinstance(said, float):
-            _require_plane(dimension, key)
             c, s = np.cos(said * angle), np.sin(said * angle)
-            return np.array([[c, -s], [s, c]])
-        if isinstance(said, tuple):
-            if len(said) == 2:
-                _require_plane(dimension, key)
-            return _as_wide(np.array(said), dimension, key)
-        kind = next(name for name in TURNS if name in said)
-        values = np.array(said[kind]) * (angle if kind == "euler" else 1.0)
-        return _as_wide(
-            rotation_matrix(quaternions(values, kind, said.get("order"))), dimension, key
-        )
+            said = ((c, -s), (s, c))
+        if isinstance(said, Mapping):
+            kind = next(name for name in TURNS if name in said)
+            values = np.array(said[kind]) * (angle if kind == "euler" else 1.0)
+            return rotation_matrix(quaternions(values, kind, said.get("order")))
+        if said is not None:
+            made[: len(said), : len(said)] = said
+        return made
+
+    def is_tilted(self, angle: float) -> bool:
+        """Whether it is turned out of the plane of a recording in the plane."""
+        beyond = np.linalg.norm(self.axes(angle)[:2, 2])
+        return bool(np.degrees(np.arcsin(min(1.0, float(beyond)))) > MOST_TILT)
+
+    def asks_for_six_axes(self, angle: float) -> str:
+        """The key for which all six axes are read in the plane too; empty where none asks."""
+        for key in ("cross_talk", "tare"):
+            said = getattr(self, key)
+            if isinstance(said, tuple) and len(said) == 6:
+                return key
+        return "rotation" if self.is_tilted(angle) else ""
 
 
 def _checked_rotation(value: Any, key: str) -> Any:
@@ -162,26 +180,3 @@ def _checked_rotation(value: Any, key: str) -> Any:
             f"right-handed, got {value!r}; correct it"
         )
     return rows
-
-
-def _as_wide(matrix: FloatArray, dimension: int, key: str) -> FloatArray:
-    """A matrix for a recording in the plane or in space ``(d, d)``."""
-    if len(matrix) == dimension:
-        return matrix
-    tilt = np.degrees(np.arcsin(min(1.0, float(np.linalg.norm(matrix[:2, 2])))))
-    if tilt > MOST_TILT:
-        raise InvalidInput(
-            f"{key}.rotation must leave the plane in place in a recording in the plane, got one "
-            f"that turns it out by {tilt:.3g}°; where axes are exchanged, map them (--map "
-            f"f1y=-Fz …), else record all six axes and leave out --space plane, so that it is read "
-            "in space, or turn its readings beforehand, coopenv.logs.calibration.turned"
-        )
-    return matrix[:2, :2]
-
-
-def _require_plane(dimension: int, key: str) -> None:
-    if dimension != 2:
-        raise InvalidInput(
-            f"{key}.rotation must be one in space, got one in the plane; write a matrix, "
-            "quaternion or Euler angles"
-        )

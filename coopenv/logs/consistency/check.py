@@ -14,6 +14,7 @@ import numpy as np
 
 from coopenv.logs.consistency.known_body.balance import Balance, Balancing
 from coopenv.logs.consistency.known_body.explanations import sentence
+from coopenv.logs.consistency.known_body.otherwise import Again
 from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
 from coopenv.logs.consistency.mistakes import (
     BAD,
@@ -25,7 +26,7 @@ from coopenv.logs.consistency.mistakes import (
     nothing_explains,
     wrench_mistakes,
 )
-from coopenv.logs.consistency.windows import WINDOW, Segments
+from coopenv.logs.consistency.windows import WINDOW, Segments, at_different_times
 from coopenv.logs.layout import Layout
 from coopenv.logs.recorded import Recording
 from coopenv.logs.recorded.devices import Devices
@@ -53,23 +54,26 @@ class Check:
         What was declared of the file.
     devices
         Whose pose and wrenches are, where several devices are joined.
+    again
+        Reads the recording again as if it had been declared otherwise, for mistakes that nothing
+        else tells exactly; without it they are told where tables of the layout do not hide them.
     """
 
-    def __init__(self, layout: Layout, devices: Devices | None = None):
+    def __init__(self, layout: Layout, devices: Devices | None = None, again: Again | None = None):
         self._layout = layout
         self._segments = Segments()
         self._laws = Laws(layout)
         self._other_angle: Laws | None = None  # as if rad were deg, or the reverse
         self._missing = "it has no rows"
         known = layout.body.mass is not None
-        self._balancing = Balancing(layout, devices) if known else None
+        self._balancing = Balancing(layout, devices, again) if known else None
 
     def add(self, recording: Recording) -> None:
         """Append rows."""
         self._missing = _missing(recording)
         if self._missing:
             return
-        recording = _at_different_times(recording)
+        recording = at_different_times(recording)
         if self._balancing is not None:
             self._balancing.add(recording)
         orientation = recording.orientation
@@ -198,14 +202,6 @@ def _fit(laws: Laws, layout: Layout) -> Fit:
     force = laws.force(layout.frame, velocities[0], 1.0) if laws.enough("force") else np.nan
     torque = laws.torque(layout.frame, force=1.0, torque=1.0) if laws.enough("torque") else np.nan
     return Fit(1 - force, 1 - torque, 1 - laws.power(1.0))
-
-
-def _at_different_times(recording: Recording) -> Recording:
-    """Without the rows of a trial that have the time of the row before."""
-    if recording.time is None:
-        return recording
-    equal = (np.diff(recording.time) == 0) & (np.diff(recording.trial) == 0)
-    return recording.take(np.concatenate([[True], ~equal])) if equal.any() else recording
 
 
 def _missing(recording: Recording) -> str:

@@ -74,6 +74,14 @@ class Segments:
         return ((last - first) // self._every - 1) // self._rows
 
 
+def at_different_times(recording: Recording) -> Recording:
+    """Without the rows of a trial that have the time of the row before."""
+    if recording.time is None:
+        return recording
+    equal = (np.diff(recording.time) == 0) & (np.diff(recording.trial) == 0)
+    return recording.take(np.concatenate([[True], ~equal])) if equal.any() else recording
+
+
 def _averaged(recording: Recording, every: int) -> Recording:
     """Means of so many rows each; the orientation, which may jump, of the one in the middle."""
     if every == 1:

@@ -12,6 +12,7 @@ from coopenv.logs.calibration.processing import Filters, Pose
 from coopenv.logs.columns import ORIENTATION, POSITION, TWIST
 from coopenv.logs.convert import rotations
 from coopenv.logs.corrections.mounted import Mounted, gravity_in_object, placed
+from coopenv.logs.corrections.out_of_plane import LeftOut
 from coopenv.logs.corrections.steps import Smoothing, at_rate, earlier, motion_of, with_twist
 from coopenv.logs.corrections.tares import Bias, Opener, find_biases
 from coopenv.logs.corrections.words import sentences
@@ -59,6 +60,7 @@ class Corrections:
             Mounted.of(number, sensor, layout, plan.dimension)
             for number, sensor in sorted(layout.sensors.items())
         ]
+        self._six_axes = [each.place for each in self._sensors if each.six_axes]
         flip = np.array([1.0, -1.0]) if layout.y == "down" else np.ones(plan.dimension)
         self._gravity = layout.body.pull(plan.dimension) * flip
         length = layout.factor("length")
@@ -73,6 +75,7 @@ class Corrections:
             return
         biases = find_biases(self._path, layout, self._opener)
         self.done, self._late = sentences(layout, biases), 0
+        self._left_out = LeftOut(self._six_axes)
         for step in self._steps(biases):
             recordings = step(recordings)
         rows = 0
@@ -82,6 +85,7 @@ class Corrections:
         if self._late:
             told = f"delay: for {self._late:,} rows at ends of trials no pose came: no results"
             self.done = (*self.done, told)
+        self.done = (*self.done, *self._left_out.sentences())
         if not rows:
             raise InvalidInput(
                 f"{self._path} must have good rows to be resampled, got none; leave out "
@@ -100,6 +104,8 @@ class Corrections:
             yield lambda rows: with_twist(rows, window)
         if self._sensors:
             yield self._sensed
+        if self._six_axes:
+            yield self._left_out.of
         if biases:
             yield lambda rows: (self._tared(each, biases) for each in rows)
         if any(each is not None for each in (filters.wrench, filters.pose, filters.twist)):
@@ -146,7 +152,12 @@ class Corrections:
         )
 
     def _sensors_of(self, recording: Recording, rate: float) -> Recording:
-        recording = replace(recording, applied=recording.applied.copy())
+        beyond = recording.out_of_plane
+        recording = replace(
+            recording,
+            applied=recording.applied.copy(),
+            out_of_plane=None if beyond is None else beyond.copy(),
+        )
         hangs = any(each.load is not None for each in self._sensors)
         turn = _turns(recording) if hangs and self._gravity.any() else None
         gravity = gravity_in_object(recording, self._gravity, turn)

@@ -11,6 +11,7 @@ from coopenv.logs.calibration.load import load_wrench
 from coopenv.logs.calibration.mounting import moved, turned, uncoupled
 from coopenv.logs.calibration.sensor import Sensor, Tare
 from coopenv.logs.convert import to_object
+from coopenv.logs.corrections.out_of_plane import in_plane, whole_wrench
 from coopenv.logs.layout import Layout
 from coopenv.logs.recorded import Recording
 
@@ -37,27 +38,24 @@ class Mounted:
     rotation: FloatArray | None  # (d, d)
     offset: FloatArray  # (d,) from the sensor to the grip, object axes [m]
     load: Hanging | None
+    six_axes: bool = False  # all are read in the plane: d is 3 there, and a wrench has 6 numbers
 
     @classmethod
     def of(cls, number: int, sensor: Sensor, layout: Layout, dimension: int) -> "Mounted":
         """As the layout declares it, for a recording in the plane or in space."""
-        key, d = f"sensors.{number}", dimension
+        key, angle = f"sensors.{number}", layout.factor("angle")
+        six_axes = dimension == 2 and sensor.asks_for_six_axes(angle) != ""
+        d = 3 if six_axes else dimension
         size = 3 if d == 2 else 6
-        length, down = layout.factor("length"), layout.y == "down"
-        flip = np.array([1.0, -1.0]) if down else np.ones(d)
-        flips = np.array([1.0, -1.0, -1.0]) if down else np.ones(size)
-        rotation = sensor.matrix(d, layout.factor("angle"), key)
+        flips = np.array([1.0, -1.0, -1.0] * (size // 3)) if layout.y == "down" else np.ones(size)
+        flip = flips[:d]  # the same turn about x by half a turn
+        rotation = sensor.axes(angle) if six_axes else sensor.matrix(d, angle, key)
         if rotation is not None:
             rotation = rotation * np.outer(flip, flip)
-        cross_talk = None
-        if sensor.cross_talk is not None:
-            cross_talk = _sized(np.array(sensor.cross_talk), size, f"{key}.cross_talk", d)
-            cross_talk = cross_talk * np.outer(flips, flips)
-        tare = None
-        if sensor.tare is not None and not isinstance(sensor.tare, Tare):
-            units = [layout.factor("force")] * d + [layout.factor("torque")] * (size - d)
-            tare = _sized(np.array(sensor.tare), size, f"{key}.tare", d) * units * flips
-        offset = placed(sensor.offset, d, f"{key}.offset") * length * flip
+        tare, cross_talk = _of_readings(sensor, layout, flips, d, key)
+        flat = six_axes and not sensor.is_tilted(angle)  # whose z is that of the plane
+        offset = placed(_of_six(sensor.offset, flat), d, f"{key}.offset")
+        offset = offset * layout.factor("length") * flip
         return cls(
             place=number - 1,
             tare=tare,
@@ -65,7 +63,8 @@ class Mounted:
             sign=sensor.sign,
             rotation=rotation,
             offset=offset if rotation is None else rotation @ offset,
-            load=_hanging(sensor, rotation, flip * length, d, key),
+            load=_hanging(sensor, rotation, flip * layout.factor("length"), d, key, flat=flat),
+            six_axes=six_axes,
         )
 
     def needs_motion(self) -> bool:
@@ -79,6 +78,9 @@ class Mounted:
         spin and rates, see `coopenv.logs.corrections.steps.motion_of`.
         """
         wrench = recording.applied[:, self.place]
+        beyond = recording.out_of_plane
+        if self.six_axes and beyond is not None:
+            wrench = whole_wrench(wrench, beyond[:, self.place])
         if self.tare is not None:
             wrench = wrench - self.tare
         if self.cross_talk is not None:
@@ -90,6 +92,8 @@ class Mounted:
             wrench = wrench + self.load.sign * self._load(recording, gravity, motion)
         if self.offset.any():
             wrench = moved(wrench, self.offset)
+        if self.six_axes and beyond is not None:
+            wrench, beyond[:, self.place] = in_plane(wrench)
         recording.applied[:, self.place] = wrench
 
     def _load(
@@ -98,10 +102,12 @@ class Mounted:
         """What the load adds, about the sensor's origin."""
         load = self.load
         assert load is not None
+        grip = recording.grips[..., self.place, :]
+        if self.six_axes:
+            grip, gravity, motion = _with_z(grip), _with_z(gravity), _whole_motion(motion)
         if motion is None:
             return load_wrench(load.mass, load.center, gravity)
         d = gravity.shape[-1]
-        grip = recording.grips[..., self.place, :]
         place = np.broadcast_to(grip - self.offset + load.center, gravity.shape)
         linear, spin, spin_rate = motion[:, :d], motion[:, d : -(2 * d - 3)], motion[:, 3 - 2 * d :]
         if d == 2:
@@ -136,21 +142,59 @@ def placed(said: tuple[float, ...], dimension: int, key: str) -> FloatArray:
     if said and len(said) != dimension:
         raise InvalidInput(
             f"{key} must be {dimension} numbers here, got {len(said)}; the recording is "
-            + ("in the plane" if dimension == 2 else "in space")
+            + (
+                "in the plane"
+                if dimension == 2
+                else "in space, or all six axes of a sensor are read"
+            )
         )
     return np.array(said) if said else np.zeros(dimension)
 
 
+def _of_readings(
+    sensor: Sensor, layout: Layout, flips: FloatArray, d: int, key: str
+) -> tuple[FloatArray | None, FloatArray | None]:
+    """Constant tare and cross-talk matrix, if there are any."""
+    size, tare, cross_talk = len(flips), None, None
+    if sensor.cross_talk is not None:
+        cross_talk = _sized(np.array(sensor.cross_talk), size, f"{key}.cross_talk", d)
+        cross_talk = cross_talk * np.outer(flips, flips)
+    if sensor.tare is not None and not isinstance(sensor.tare, Tare):
+        units = [layout.factor("force")] * d + [layout.factor("torque")] * (size - d)
+        tare = _sized(np.array(sensor.tare), size, f"{key}.tare", d) * units * flips
+    return tare, cross_talk
+
+
+def _of_six(said: tuple[float, ...], flat: bool) -> tuple[float, ...]:
+    """A position along six axes: those of a sensor that is not tilted may be said in the plane."""
+    return (*said, 0.0) if flat and len(said) == 2 else said
+
+
+def _with_z(vectors: FloatArray) -> FloatArray:
+    """Planar vectors in space."""
+    return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)
+
+
+def _whole_motion(motion: FloatArray | None) -> FloatArray | None:
+    """``(T, 3 + 3 + 3)`` of ``(T, 2 + 1 + 1)``."""
+    if motion is None:
+        return None
+    made = np.zeros((len(motion), 9))
+    made[:, [0, 1, 5, 8]] = motion
+    return made
+
+
 def _hanging(
-    sensor: Sensor, rotation: FloatArray | None, unit: FloatArray, d: int, key: str
+    sensor: Sensor, rotation: FloatArray | None, unit: FloatArray, d: int, key: str, *, flat: bool
 ) -> Hanging | None:
     load = sensor.load
     if load is None:
         return None
-    center = placed(load.center, d, f"{key}.load.center") * unit
+    center = placed(_of_six(load.center, flat), d, f"{key}.load.center") * unit
     inertia = None
     if load.inertia is not None:
-        inertia = spatial_inertia(load.inertia, d, f"{key}.load.inertia")
+        plain = flat and isinstance(load.inertia, float)  # about z, as in the plane
+        inertia = spatial_inertia(load.inertia, 2 if plain else d, f"{key}.load.inertia")
         if rotation is not None and d == 3:
             inertia = rotation @ inertia @ rotation.T
     return Hanging(
@@ -166,7 +210,7 @@ def _sized(array: FloatArray, size: int, key: str, dimension: int) -> FloatArray
     if len(array) != size:
         raise InvalidInput(
             f"{key} must be of {size} components "
-            + ("in the plane" if dimension == 2 else "in space")
+            + ("in the plane" if dimension == 2 else "in space, or where all six axes are read")
             + f", got {len(array)}; those of a wrench are forces, then torques"
         )
     return array

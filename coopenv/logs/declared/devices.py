@@ -79,7 +79,6 @@ class Joining(Dialect):
                 "write [files.left]"
             )
         self.devices("recording")  # raises where one is wrong
-        self.devices("recording")
 
     @property
     def dialect(self) -> Dialect:

@@ -24,6 +24,7 @@ from coopenv.logs.formats.lines import Lines, as_numbers, spread
 from coopenv.logs.limits import Limits, shown
 
 BLOCK = 4 << 20  # [bytes] read at once
+WRITTEN = 8192  # rows made text at once: of more, the text alone takes tens of megabytes
 
 
 class TextSource(Source):
@@ -210,7 +211,8 @@ class TextSink(Sink):
         self._file.close()
 
     def _append(self, table: Any) -> None:
-        self._file.write(_as_text(table))
+        for first in range(0, table.num_rows, WRITTEN):
+            self._file.write(_as_text(table.slice(first, WRITTEN)))
 
     def _wait(self) -> None:
         """Until the rows before are written; raises what went wrong with them."""
@@ -242,8 +244,8 @@ def _array(values: Column) -> Any:
         return pa.array([None if value is None else str(value) for value in values], pa.string())
 
 
-def _as_text(table: Any) -> bytes:
-    """Rows of a pyarrow table as CSV, quoted only where it is needed."""
+def _as_text(table: Any) -> Any:
+    """A buffer of the rows of a pyarrow table as CSV, quoted only where it is needed."""
     import pyarrow as pa
     from pyarrow import csv as arrow
 
@@ -254,5 +256,5 @@ def _as_text(table: Any) -> bytes:
             arrow.write_csv(table, out, options)
         except pa.ArrowInvalid:
             continue
-        return out.getvalue().to_pybytes()
+        return out.getvalue()
     raise InvalidInput("columns must be numbers and text to be written to CSV; write Parquet")

@@ -13,6 +13,7 @@ from coopenv.logs.columns import (
     TWIST,
     effector_names,
     is_documented,
+    out_of_plane_names,
     quantity,
 )
 from coopenv.logs.declared.stamps import is_form
@@ -39,6 +40,7 @@ class Plan:
     carried: tuple[str, ...]  # columns of the file
     unused: tuple[str, ...]  # columns with a documented name that mean nothing here
     grips_vary: bool  # whether they are columns
+    six_axes: tuple[int, ...] = ()  # effectors of which they are read though it is the plane
 
     def has(self, names: Sequence[str]) -> bool:
         """Whether all of these documented columns are there."""
@@ -110,6 +112,8 @@ def make_plan(
     in_world = "what the file has in the world frame needs it; if nothing is, say --frame object"
     required += [*twist, *need(*_pose(layout, dimension, grips_vary, bool(twist)), remedy=in_world)]
     required += [name for name in _corrected(need, layout, dimension) if name not in required]
+    six_axes = _six_axes(layout, count, dimension)
+    required += _out_of_plane(need, layout, six_axes)
     pose = (*POSITION[dimension], *ORIENTATION[dimension])
     optional = [name for name in pose if name in found and name not in required]
     source = {name: found[name] for name in required + optional}
@@ -128,6 +132,7 @@ def make_plan(
         carried=tuple(name for name in rest if name not in unused),
         unused=tuple(unused),
         grips_vary=grips_vary,
+        six_axes=six_axes,
     )
 
 
@@ -199,6 +204,24 @@ def _corrected(need: "Need", layout: Layout, dimension: int) -> list[str]:
             names += columns
     tables = "[sensors], [pose] and [filters] of the layout"
     return need(*names, remedy=f"a correction needs it; see {tables}")
+
+
+def _six_axes(layout: Layout, count: int, dimension: int) -> tuple[int, ...]:
+    """Effectors whose sensors are corrected as all six axes are, in the plane."""
+    angle = layout.factor("angle")
+    asked = (i for i, each in layout.sensors.items() if each.asks_for_six_axes(angle))
+    return tuple(sorted(i for i in asked if i <= count)) if dimension == 2 else ()
+
+
+def _out_of_plane(need: "Need", layout: Layout, six_axes: Sequence[int]) -> list[str]:
+    """Columns that these sensors need too."""
+    made: list[str] = []
+    for number in six_axes:
+        names = out_of_plane_names(number)
+        key = layout.sensors[number].asks_for_six_axes(layout.factor("angle"))
+        remedy = f"sensors.{number}.{key} is of all six axes, which are read in the plane too"
+        made += need(*names[: 1 if layout.forces_only else 3], remedy=remedy)
+    return made
 
 
 def _factor(

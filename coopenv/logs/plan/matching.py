@@ -34,6 +34,11 @@ def find(
         if not said:
             continue
         theirs = said[1:] if negated(said, there) else said
+        if theirs not in there and _makes_the_pose(theirs.removeprefix("-"), layout):
+            raise InvalidInput(
+                f"{path}: {name} must be mapped to a column that [pose] columns do not name, got "
+                f"{theirs!r}, of which the orientation is made; name it in one of the two"
+            )
         if theirs not in there:
             hint = _hint(name, columns, theirs.removeprefix("-"))
             raise InvalidInput(
@@ -49,6 +54,13 @@ def find(
             f"map all of them, --map f1x=f0x f2x=f1x …; has: {_listed(columns)}"
         )
     return found
+
+
+def _makes_the_pose(column: str, layout: Layout) -> bool:
+    """Whether it is one of those that ``[pose]`` names, which may say whose it is."""
+    named = [each.removeprefix("-") for each in layout.pose.columns]
+    same = (each == column or each.endswith(f"/{column}") for each in named)
+    return any(same) or any(column.endswith(f"/{each}") for each in named)
 
 
 def negated(said: str, columns: Collection[str]) -> bool:

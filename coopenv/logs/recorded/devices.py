@@ -14,6 +14,7 @@ class Devices:
 
     pose: Owner | None
     sensors: tuple[Owner | None, ...]  # an effector each
+    all: tuple[Owner, ...] = ()  # that have a column of any kind
 
     @classmethod
     def of(cls, plan: Plan, owners: Mapping[str, Owner]) -> "Devices | None":
@@ -28,7 +29,8 @@ class Devices:
         if len(set().union(*found) - {None}) < 2:
             return None
         one = [next(iter(each)) if len(each) == 1 else None for each in found]
-        return cls(pose=one[0], sensors=tuple(one[1:]))
+        everyone = tuple(dict.fromkeys(owners.values()))
+        return cls(pose=one[0], sensors=tuple(one[1:]), all=everyone)
 
     @property
     def owners(self) -> tuple[Owner, ...]:

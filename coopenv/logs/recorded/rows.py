@@ -31,6 +31,8 @@ class Recording:
     trial: IntArray  # (T,) number of the trial, from 0
     good: BoolArray  # (T,)
     done: tuple[str, ...] = ()  # corrections, as sentences
+    # (T, n, 3) fz, tx, ty in the plane, before corrections, of sensors that need them [N, N·m]
+    out_of_plane: FloatArray | None = None
 
     def __post_init__(self):
         for entry in fields(self):

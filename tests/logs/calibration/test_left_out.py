@@ -39,7 +39,35 @@ def mapped(layout: Layout, **columns: str) -> Layout:
     return replace(layout, columns={**layout.columns, **columns})
 
 
+def exchanged(layout: Layout) -> Layout:
+    """The layout with the columns of both devices exchanged."""
+    other = {"left": "right", "right": "left"}
+    apart = {name: theirs.split("/") for name, theirs in layout.columns.items()}
+    return mapped(layout, **{n: f"{other[device]}/{own}" for n, (device, own) in apart.items()})
+
+
+def grips(layout: Layout, factor: float) -> Layout:
+    return replace(layout, grips=tuple(map(tuple, factor * np.array(layout.grips))))
+
+
 WRONG = {
+    "frame": (
+        lambda right: replace(right, frame="world", twist_frame="world"),
+        "forces and torques are in the object frame: --frame object",
+    ),
+    "devices": (
+        exchanged,
+        "sensors 1 and 2 are taken one for the other: exchange their columns, --map f1x=left/Fx",
+    ),
+    "grips": (
+        lambda right: replace(right, grips=right.grips[::-1]),
+        "the grips of effectors 1 and 2 are exchanged: exchange them, grips = [[-900.0, 0.0, 0.0]",
+    ),
+    "metres of grips": (
+        lambda right: grips(right, 1e-3),
+        "grips are in m: grips = [[-900.0, 0.0, 0.0]",
+    ),
+    "lengths": (lambda right: replace(right, length="m"), "lengths are in mm: --length mm"),
     "reaction": (
         lambda right: sensors(right, sign=-1),
         "the reaction on sensors 1 and 2 is recorded: each sensor's table sign = 1",

@@ -1,4 +1,4 @@
-"""Sensors and cameras turned out of the plane of a recording are read rightly, or refused."""
+"""Rotations in space of recordings in the plane: of sensors that are not tilted, and of cameras."""
 
 from typing import Any
 
@@ -43,14 +43,6 @@ def test_a_rotation_in_space_that_leaves_the_plane_in_place_is_read(rotation, tm
         columns, tmp_path, rotation=turn.as_matrix().tolist(), offset=[0.05, 0.02]
     )
     np.testing.assert_allclose(matrix.applied, seen.applied, atol=1e-12)
-
-
-def test_a_rotation_that_turns_the_plane_out_is_refused_with_what_to_do(tmp_path):
-    tilted = {"euler": [0.0, 0.0, 20.0], "order": "ZYX"}
-    columns = six_axis(Rotation.from_euler("ZYX", [0, 0, 20], degrees=True))
-    says = r"sensors.1.rotation must leave the plane .* by 20°; .* leave out --space plane"
-    with pytest.raises(InvalidInput, match=says):
-        read_in_the_plane(columns, tmp_path, rotation=tilted)
 
 
 @pytest.mark.parametrize("apart", [False, True])

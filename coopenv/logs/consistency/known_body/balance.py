@@ -1,23 +1,22 @@
 """Balance of a recording with the motion of a body whose mass and inertia are known."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from coopenv.arrays import FloatArray
-from coopenv.logs.consistency.known_body.explanations import Explanation, explanations
-from coopenv.logs.consistency.known_body.known import Motion, Windows
+from coopenv.logs.consistency.known_body.collected import Collected
+from coopenv.logs.consistency.known_body.explanations import ENOUGH, explanations, likeliest
+from coopenv.logs.consistency.known_body.found import Explanation
+from coopenv.logs.consistency.known_body.known import Windows
 from coopenv.logs.consistency.known_body.late import Times
+from coopenv.logs.consistency.known_body.lengths import lengths
 from coopenv.logs.consistency.known_body.misfit import Misfit
-from coopenv.logs.consistency.windows import Segments
+from coopenv.logs.consistency.known_body.otherwise import Again
 from coopenv.logs.layout import Layout
 from coopenv.logs.recorded import Recording
 from coopenv.logs.recorded.devices import Devices
-
-MOST_ROWS = 30_000  # that are kept, after averaging to some hundred a second: five minutes
-ENOUGH = 20  # rows in a window of `Segments`, of more some are averaged
-LEAST = 20  # windows
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,68 +55,54 @@ class Balance:
                 f"known body, {axis.name}: r² {axis.r2:.3f}, gain {axis.gain:.3f}, bias "
                 f"{axis.bias:+.3g} {unit} of {axis.size:.3g} {unit}"
             )
-        yield (
-            f"known body: {100 * self.left:.2g} % of what moves it is not accounted for; the pose "
-            f"fits best {self.delay:+.3f} s late"
-        )
+        late = f"; the pose fits best {self.delay:+.3f} s late" * (self.delay == self.delay)
+        yield f"known body: {100 * self.left:.2g} % of what moves it is not accounted for{late}"
         yield from (f"known body: {said}" for said in self.devices)
 
 
 class Balancing:
     """Collects the rows of a recording that comes chunk by chunk, as many as fit in memory."""
 
-    def __init__(self, layout: Layout, devices: Devices | None = None):
-        self._layout, self._devices = layout, devices
-        self._segments = Segments(ENOUGH)
-        self._kept: list[Recording] = []
-        self._rows = 0
+    def __init__(self, layout: Layout, devices: Devices | None = None, again: Again | None = None):
+        self._layout, self._devices, self._again = layout, devices, again
+        self._collected = Collected()
 
     def add(self, recording: Recording) -> None:
         """Append rows."""
-        if recording.position is None or recording.orientation is None or self._rows >= MOST_ROWS:
-            return
-        for segment, _ in self._segments.of(recording):
-            if self._rows < MOST_ROWS:
-                self._kept.append(replace(segment, carried={}))
-                self._rows += len(segment)
+        self._collected.add(recording)
 
     def result(self) -> Balance:
         """Of the rows so far."""
-        runs = [run for run in _joined(self._kept) if run.time is not None and len(run) > 2]
-        motions = [Motion.of(run) for run in runs]
-        windows = [each for each in map(Windows, motions) if len(each)]
-        if sum(map(len, windows)) < LEAST:
+        windows = self._collected.windows()
+        if not windows:
             return Balance(unchecked="fewer than some seconds with time and pose in sequence")
-        body, dimension = self._layout.body, runs[0].grips.shape[-1]
+        body, dimension = self._layout.body, windows[0].motion.dimension
         misfit = Misfit.of(windows, body, dimension)
         if misfit.is_still():
-            return Balance(unchecked="it hardly moves")
-        motions = [each.motion for each in windows]
-        times = Times.of(motions, body, dimension, self._devices)
+            return self._of_still(windows, misfit)
+        times = Times.of([each.motion for each in windows], body, dimension, self._devices)
+        found = explanations(windows, misfit, self._layout, times, self._again)
         return Balance(
             axes=tuple(_axes(misfit, dimension)),
             left=misfit.share(),
             delay=times.delay,
             devices=times.lines(),
-            rows=self._rows,
-            explanations=tuple(explanations(windows, misfit, self._layout, dimension, times)),
+            rows=self._collected.rows,
+            explanations=tuple(found),
         )
 
-
-def _joined(kept: list[Recording]) -> list[Recording]:
-    """Segments that overlap, as they came, as runs without the rows that come twice."""
-    runs: list[Recording] = []
-    for segment in kept:
-        assert segment.time is not None
-        last = runs[-1] if runs else None
-        if last is not None and last.time is not None and last.trial[-1] == segment.trial[0]:
-            step = float(np.median(np.diff(last.time))) if len(last) > 1 else 0.0
-            new = segment.time > last.time[-1] + step / 2
-            if new.any() and segment.time[new][0] - last.time[-1] < 3 * step:
-                runs[-1] = Recording.joined([last, segment.take(new)])
-                continue
-        runs.append(segment)
-    return runs
+    def _of_still(self, windows: list[Windows], misfit: Misfit) -> Balance:
+        """Of a body that hardly moves, unless it would in another unit of lengths."""
+        found = lengths(windows, self._layout, self._again)
+        good = tuple(likeliest([each for each in found if each.left < ENOUGH], misfit.share()))
+        if not good:
+            return Balance(unchecked="it hardly moves")
+        return Balance(
+            axes=tuple(_axes(misfit, windows[0].motion.dimension)),
+            left=misfit.share(),
+            rows=self._collected.rows,
+            explanations=good,
+        )
 
 
 def _axes(misfit: Misfit, dimension: int) -> Iterator[Axis]:

@@ -5,8 +5,7 @@ that account for about as much as the best is the likeliest.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from itertools import combinations, permutations, product
+from itertools import permutations, product
 
 import numpy as np
 
@@ -21,18 +20,22 @@ from coopenv.logs.consistency.known_body.fitted import (
     weight,
 )
 from coopenv.logs.consistency.known_body.found import Explanation, label
-from coopenv.logs.consistency.known_body.known import Motion, Windows
+from coopenv.logs.consistency.known_body.known import Windows
 from coopenv.logs.consistency.known_body.late import Times
+from coopenv.logs.consistency.known_body.lengths import lengths
 from coopenv.logs.consistency.known_body.misfit import Misfit
+from coopenv.logs.consistency.known_body.otherwise import Again, declared_otherwise
+from coopenv.logs.consistency.known_body.poses import mistakes_of_pose
 from coopenv.logs.consistency.known_body.taken import constants, loads, mounting
 from coopenv.logs.consistency.known_body.units import other_units, units
-from coopenv.logs.layout import UNITS, Layout
+from coopenv.logs.layout import Layout
 
 DOUBT = 0.0005  # share that is left, above which a mistake is looked for
 BETTER = 0.3  # of it, that a mistake may leave
 ENOUGH = 0.2  # and the most that one may leave
 ALIKE = 2.0  # times what the best leaves: as good
 MOST_EFFECTORS = 6  # of which sensors are tried one by one
+ALIKE_OTHERS = ("grips", "units")  # may leave as little as exchanged sensors do
 AXES = "xyz"
 
 
@@ -40,8 +43,8 @@ def explanations(
     windows: Sequence[Windows],
     misfit: Misfit,
     layout: Layout,
-    dimension: int,
     times: Times,
+    again: Again | None = None,
 ) -> Iterator[Explanation]:
     """Mistakes that would account for most of what is left, likeliest first; at most three.
 
@@ -50,17 +53,39 @@ def explanations(
     left = misfit.share()
     if left < DOUBT:
         return
-    d = dimension
-    devices = times.devices
+    devices, (dimension, count) = times.devices, _size(windows)
     tried = [*times.explanations(layout)]
-    tried += _of_pose(windows, misfit, layout, d, label(devices.pose) if devices else "")
+    tried += mistakes_of_pose(windows, layout, label(devices.pose) if devices else "")
     good = []
-    if windows[0].motion.force.shape[1] <= MOST_EFFECTORS:
-        sums = Corrected(windows, misfit, layout.body, d, devices)
+    if count <= MOST_EFFECTORS:
+        sums = Corrected(windows, misfit, layout.body, dimension, devices)
         tried += [*_of_readings(sums, layout), *_of_places(sums, layout)]
         tried += [*bias(sums), *weight(sums), *center_of_mass(sums, layout)]
         good = _beside_what_was_taken_off(sums, layout)
-    good += [each for each in tried if each.left < min(BETTER * left, ENOUGH)]
+    tried += lengths(windows, layout, again)
+    most = min(BETTER * left, ENOUGH)
+    good += [each for each in tried if each.left < most]
+    if again is not None and not any(_settles(each) for each in good):
+        found = again.explanations(declared_otherwise(again, count))
+        exact = [each for each in found if each.left < most]
+        told = {each.kind for each in exact}
+        good = [*exact, *(each for each in good if each.kind not in told)]
+    yield from likeliest(good, left)
+
+
+def _size(windows: Sequence[Windows]) -> tuple[int, int]:
+    """Dimension, and number of effectors."""
+    motion = windows[0].motion
+    return motion.dimension, motion.force.shape[1]
+
+
+def _settles(found: Explanation) -> bool:
+    """Whether nothing is left to doubt, so that the recording need not be read again."""
+    return found.left < DOUBT and found.kind not in ALIKE_OTHERS
+
+
+def likeliest(good: Sequence[Explanation], left: float) -> Iterator[Explanation]:
+    """Those that leave about as little as the best, one of a kind, the simplest first."""
     if not good:
         return
     least = min(each.left for each in good)
@@ -123,83 +148,12 @@ def _groups(count: int) -> Iterator[tuple[int, ...]]:
     yield from ((i,) for i in range(count))
 
 
-def _of_pose(
-    windows: Sequence[Windows],
-    misfit: Misfit,
-    layout: Layout,
-    dimension: int,
-    whose: str,
-) -> Iterator[Explanation]:
-    """Mistakes of frames and of orientations, which are ``whose``, and grips exchanged."""
-
-    def share(change) -> float:
-        motions = [Windows(change(each.motion)) for each in windows]
-        return Misfit.of(motions, layout.body, dimension).share()
-
-    if dimension == 2:
-        unit = "rad" if layout.angle == "deg" else "deg"
-        factor = UNITS["angle"][unit] / layout.factor("angle")
-        yield Explanation(
-            "angle",
-            f"theta{whose} is in {unit}",
-            f"--angle {unit}",
-            share(lambda motion: motion.turned_by(factor)),
-            1,
-        )
-    if dimension == 3:
-        order = "wxyz" if layout.pose.order == "xyzw" else "xyzw"
-        places = [3, 0, 1, 2] if order == "xyzw" else [1, 2, 3, 0]
-        yield Explanation(
-            "order",
-            f"quaternions{whose} are {' '.join(order)}",
-            f'[pose] order = "{order}"',
-            share(lambda motion: replace(motion, quaternion=motion.quaternion[:, places])),
-            1,
-        )
-        yield Explanation(
-            "inverse",
-            f"orientations{whose} turn the world's vectors to the object's",
-            "take the inverse (of a matrix, order = columns)",
-            share(lambda motion: replace(motion, quaternion=motion.quaternion * [1, -1, -1, -1])),
-            1,
-        )
-    frame = "world" if layout.frame == "object" else "object"
-    yield Explanation(
-        "frame",
-        f"forces and torques are in the {frame} frame",
-        f"--frame {frame}",
-        share(lambda motion: _in_other_frame(motion, frame)),
-        1,
-    )
-    count = windows[0].motion.force.shape[1]
-    for i, j in combinations(range(count if count <= 4 else 0), 2):
-        swapped = list(range(count))
-        swapped[i], swapped[j] = j, i
-        yield Explanation(
-            "grips",
-            f"the grips of effectors {i + 1} and {j + 1} are exchanged",
-            "exchange them",
-            share(lambda motion, to=swapped: replace(motion, grips=motion.grips[:, to])),
-            1,
-        )
-
-
-def _in_other_frame(motion: Motion, frame: str) -> Motion:
-    turn = Windows(motion).turn
-    turn = turn.swapaxes(-1, -2) if frame == "world" else turn
-    return replace(
-        motion,
-        force=np.einsum("tij,tnj->tni", turn, motion.force),
-        torque=np.einsum("tij,tnj->tni", turn, motion.torque),
-    )
-
-
 def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator[Explanation]:
     """Signs and axes of some sensors, the file's: the mistakes that have no number."""
     who, d = sums.named(group), len(sums.force_axes)
     keys = f"[sensors.{group[0] + 1}]" if len(group) == 1 else "each sensor's table"
 
-    mounted = {i: mounting(i, layout, d) for i in group}
+    mounted = {i: mounting(i, layout) for i in group}
 
     def left(force: FloatArray, torque: FloatArray) -> float:
         axes = {i: turn @ force @ turn.T for i, turn in mounted.items()}
@@ -211,6 +165,8 @@ def _turned(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterator
     yield Explanation("sign", text, f"{keys} sign = {sign:g}", left(-UNIT, -UNIT), 0)
     text = f"torques of {who} have the other sign"
     yield Explanation("sign", text, "turn it, --map t1z=-t1z …", left(UNIT, -UNIT), 0)
+    if d == 2 and any(abs(turn[2, :2]).max() > 1e-3 for turn in mounted.values()):
+        return  # the file's axes are not those of the plane
     for a in sums.force_axes:
         flip = np.diag([-1.0 if b == a else 1.0 for b in range(3)])
         name = f"f{AXES[a]}"

@@ -41,16 +41,19 @@ def rotation(sums: Corrected, group: tuple[int, ...], layout: Layout) -> Iterato
     angle = np.linalg.norm(turned, axis=-1)
     if angle.max() < LEAST_TURN:
         return
-    unit, d = layout.factor("angle"), len(sums.force_axes)
+    unit = layout.factor("angle")
     found = axes(best.x)
-    whole = Rotation.from_matrix([found[i] @ mounting(i, layout, d) for i in group])
+    mounted = np.stack([mounting(i, layout) for i in group])
+    whole = Rotation.from_matrix([found[i] for i in group]) * Rotation.from_matrix(mounted)
     if plane:
-        values = [f"{float(each[2]) / unit:.3g}" for each in whole.as_rotvec()]
         said = " and ".join(f"{np.degrees(float(each[0])):.3g}°" for each in turned)
+    else:
+        said = " and ".join(f"{np.degrees(float(each)):.3g}°" for each in angle)
+    if plane and (mounted[:, 2, 2] > 1 - 1e-6).all():
+        values = [f"{float(each[2]) / unit:.3g}" for each in whole.as_rotvec()]
     else:
         quaternions = whole.as_quat()[:, [3, 0, 1, 2]]
         values = [f"{{ quaternion = {_listed(each, 3)} }}" for each in quaternions]
-        said = " and ".join(f"{np.degrees(float(each)):.3g}°" for each in angle)
     said += " more than is said" * any(_is_turned(i, layout) for i in group)
     yield Explanation(
         "rotation",
@@ -162,9 +165,10 @@ def _as_declared(i: int, place: FloatArray, layout: Layout) -> str:
     unit = layout.factor("length")
     if sensor is None:
         return _listed(place / unit, 3)
-    matrix = sensor.matrix(len(place), layout.factor("angle"), f"sensors.{i + 1}")
-    own = place if matrix is None else matrix.T @ place
-    return _listed(own / unit + (np.array(sensor.offset) if sensor.offset else 0.0), 3)
+    own = mounting(i, layout).T @ np.resize([*place, 0.0], 3)
+    known = np.resize([*sensor.offset, 0.0], 3) if sensor.offset else np.zeros(3)
+    of_six = sensor.asks_for_six_axes(layout.factor("angle"))  # whose z may be in the plane
+    return _listed((own / unit + known)[: 3 if of_six else len(place)], 3)
 
 
 def _is_turned(i: int, layout: Layout) -> bool:

@@ -35,6 +35,7 @@ class Motion:
     position: FloatArray  # (T, 3) world frame [m]
     quaternion: FloatArray  # (T, 4) w, x, y, z
     angle: FloatArray | None = None  # (T,) in the plane, without jumps [rad]
+    dimension: int = 3  # 2 in the plane
 
     @classmethod
     def of(cls, run: Recording) -> "Motion":
@@ -61,6 +62,7 @@ class Motion:
             position=_spatial(resampled(run.time, run.position, at)),
             quaternion=quaternion,
             angle=turned if d == 2 else None,
+            dimension=d,
         )
 
     def turned_by(self, factor: float) -> "Motion":
@@ -80,6 +82,7 @@ class Motion:
             grips=self.grips[early],
             position=self.position[late if pose else early],
             quaternion=self.quaternion[late if pose else early],
+            dimension=self.dimension,
         )
 
 

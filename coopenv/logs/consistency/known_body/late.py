@@ -125,7 +125,11 @@ def late_devices(
         f"{'late' if late.delay > 0 else 'early'}"
         for late in told
     ]
-    remedies = [_remedy(late, layout) for late in told]
+    remedies = [_remedy(late.owner, layout, late.delay) for late in told]
+    late_ones = [late.owner for late in told]
+    if any(_is_undeclared(owner, layout) for owner in late_ones):  # who names one names all
+        rest = [each for each in devices.all if each not in late_ones]
+        remedies += [_remedy(each, layout) for each in rest if _is_undeclared(each, layout)]
     yield Explanation("delay", " and ".join(parts), ", ".join(remedies), told[0].left, rank)
 
 
@@ -149,11 +153,14 @@ def _who(owner: Owner, devices: Devices) -> str:
     return " and ".join(words) + label(owner)
 
 
-def _remedy(late: Late, layout: Layout) -> str:
-    """The line of a layout that takes the delay back."""
-    owner = late.owner
+def _is_undeclared(owner: Owner, layout: Layout) -> bool:
+    """Whether it is a part of the recording, of which all are devices as long as none is named."""
+    return bool(owner.part) and owner.name not in layout.files
+
+
+def _remedy(owner: Owner, layout: Layout, delay: float | None = None) -> str:
+    """The line of a layout that takes a delay back, or names a part that is to stay."""
     name = owner.name if BARE.fullmatch(owner.name) else json.dumps(shown(owner.name))
-    told = f"[files.{name}] "
-    if owner.part and owner.name not in layout.files:  # else it would stand for all of the file
-        told += f"part = {json.dumps(shown(owner.part))} "
-    return f"{told}delay = {owner.delay + late.delay:.3f}"
+    said = [f"part = {json.dumps(shown(owner.part))}"] * _is_undeclared(owner, layout)
+    said += [] if delay is None else [f"delay = {owner.delay + delay:.3f}"]
+    return f"[files.{name}] {' '.join(said)}"

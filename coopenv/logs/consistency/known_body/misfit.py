@@ -24,13 +24,22 @@ class Misfit:
     mass: float  # [kg]
 
     @classmethod
-    def of(cls, windows: Sequence[Windows], body: Body, dimension: int) -> "Misfit":
-        """Of all windows."""
+    def of(
+        cls, windows: Sequence[Windows], body: Body, dimension: int, declared: float = 0.0
+    ) -> "Misfit":
+        """Of all windows; ``declared`` is the reach of grips [m], where it was another."""
         acting = np.concatenate([np.hstack(each.acting()) for each in windows])
         wanted = np.concatenate([np.hstack(each.wanted(body, dimension)) for each in windows])
-        reach = max(float(np.abs(each.motion.grips).max()) for each in windows)
+        reach = reach_of(windows)
+        return cls.between(acting, wanted, body, (reach, declared or reach))
+
+    @classmethod
+    def between(
+        cls, acting: FloatArray, wanted: FloatArray, body: Body, reaches: tuple[float, float]
+    ) -> "Misfit":
+        """Of wrenches ``(W, 6)``; ``reaches`` are how far away grips may be [m]."""
         mass = body.mass if body.mass is not None else np.nan
-        return cls(acting, wanted, _scale(wanted, reach), mass)
+        return cls(acting, wanted, _scale(wanted, reaches), mass)
 
     def share(self, acting: FloatArray | None = None) -> float:
         """Mean square of what is left, by that of what moves the body, force and torque alike."""
@@ -42,12 +51,18 @@ class Misfit:
         return bool(self.scale[0] < STILL * self.mass)
 
 
-def _scale(wanted: FloatArray, reach: float) -> FloatArray:
+def reach_of(windows: Sequence[Windows]) -> float:
+    """The largest coordinate of a grip [m]."""
+    return max(float(np.abs(each.motion.grips).max()) for each in windows)
+
+
+def _scale(wanted: FloatArray, reaches: tuple[float, float]) -> FloatArray:
     """Root mean squares of force and torque, their means taken off."""
+    least, most = min(reaches), max(reaches)
     moved = wanted - wanted.mean(axis=0)
     force, torque = (np.sqrt((part**2).sum(axis=-1).mean()) for part in np.hsplit(moved, 2))
-    torque = max(torque, LEAST_TORQUE * reach * force, 1e-12)
-    force = max(force, LEAST_TORQUE * torque / max(reach, 1e-3), 1e-12)
+    torque = max(torque, LEAST_TORQUE * least * force, 1e-12)
+    force = max(force, LEAST_TORQUE * torque / max(most, 1e-3), 1e-12)
     return np.repeat([force, torque], 3)
 
 

@@ -32,11 +32,7 @@ def loads(sums: Corrected, layout: Layout) -> list[Key]:
     return made + (weights(sums) if still else [])
 
 
-def mounting(i: int, layout: Layout, dimension: int) -> FloatArray:
-    """The declared rotation ``(3, 3)`` of a sensor."""
-    made, sensor = np.eye(3), layout.sensors.get(i + 1)
-    if sensor is not None:
-        matrix = sensor.matrix(dimension, layout.factor("angle"), f"sensors.{i + 1}")
-        if matrix is not None:
-            made[:dimension, :dimension] = matrix
-    return made
+def mounting(i: int, layout: Layout) -> FloatArray:
+    """The declared axes ``(3, 3)`` of a sensor, seen from the object."""
+    sensor = layout.sensors.get(i + 1)
+    return np.eye(3) if sensor is None else sensor.axes(layout.factor("angle"))

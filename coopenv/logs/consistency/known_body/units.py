@@ -8,7 +8,7 @@ import numpy as np
 from coopenv.arrays import FloatArray
 from coopenv.logs.consistency.known_body.corrected import Corrected
 from coopenv.logs.consistency.known_body.found import Explanation
-from coopenv.logs.consistency.known_body.taken import weights
+from coopenv.logs.consistency.known_body.taken import mounting, weights
 from coopenv.logs.layout import UNITS, Layout
 
 NEAR = 0.03  # of a factor between two units
@@ -70,10 +70,7 @@ def other_units(sums: Corrected, layout: Layout) -> Iterator[Explanation]:
 def _mounted_offset(i: int, layout: Layout) -> FloatArray:
     """A declared offset along the object's axes [m]; of no length where there is none."""
     own = np.array(_offset_of(layout, i)) * layout.factor("length")
-    if not len(own):
-        return own
-    matrix = layout.sensors[i + 1].matrix(len(own), layout.factor("angle"), f"sensors.{i + 1}")
-    return own if matrix is None else matrix @ own
+    return own if not len(own) else mounting(i, layout) @ np.resize([*own, 0.0], 3)
 
 
 def _unit_of(kind: str, size: float) -> str:
