@@ -76,7 +76,9 @@ def test_layers_of_many_rows_are_what_each_row_alone_comes_to(rows):
     np.testing.assert_allclose(layer(x), wanted, atol=1e-5)
 
 
-def test_a_file_is_packed_and_says_no_time_of_day(file):
+def test_a_file_is_packed_and_says_no_time_of_day(tmp_path):
+    file = tmp_path / "policy.npz"
+    PlainPolicy(plain()).save(file)
     with zipfile.ZipFile(file) as archive:
         members = archive.infolist()
     assert {member.compress_type for member in members} == {zipfile.ZIP_DEFLATED}
