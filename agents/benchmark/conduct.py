@@ -150,9 +150,7 @@ def run(cell: Cell) -> Result:
             (measures.DOUBLED, scenario.DOUBLED),
         )
     }
-    means = measures.means(
-        seen, meter.means(), dt=one.config.dt, learner=one.config.learners[0]
-    )
+    means = measures.means(seen, meter.means(), dt=one.config.dt, learner=one.config.learners[0])
     found = {measures.SUCCESS: measures.rates(seen), **others, **means}
     return Result(
         digest=suite.digest_of(one),
@@ -207,5 +205,3 @@ def _require_same(cell: Cell, summary: Summary, out: Path) -> None:
 def _tell(show: Show | None, done: float, total: float, cells: int, of: int) -> None:
     if show is not None:
         show(done=done, total=total, cells=cells, of=of)
-
-

@@ -30,6 +30,8 @@ MEASURES: Mapping[str, tuple[str, str]] = {  # name -> title and unit
     "disagreement": ("disagreement", "m"),
 }
 
+_SMALL = ("relative_cost", "load_share", "load_imbalance", "internal_power")  # three digits
+
 
 class Estimate(NamedTuple):
     """A measure and its 95 % interval, and the episodes in which it is defined."""
@@ -83,6 +85,17 @@ def estimate(values: FloatArray) -> Estimate | None:
         return None
     low, high = bootstrap_interval(mean, [defined])
     return _rounded(float(defined.mean()), float(low), float(high), len(defined))
+
+
+def shown(name: str, found: Estimate | None) -> str:
+    """An estimate for people, with its interval; per cent where the unit is."""
+    if found is None:
+        return "–"
+    many = 100 if MEASURES[name][1] == "%" else 1
+    digits = 1 if many == 100 else 3 if name in _SMALL else 2
+    return f"{many * found.value:.{digits}f} [{many * found.low:.{digits}f}, " + (
+        f"{many * found.high:.{digits}f}]"
+    )
 
 
 def _rounded(value: float, low: float, high: float, episodes: int) -> Estimate:

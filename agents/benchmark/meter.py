@@ -51,9 +51,7 @@ class Meter:
         the goal the partner's plan is, over the steps in which it has one. What a team without a
         partner has not is left out.
         """
-        sums = {
-            name: np.concatenate([part[name] for part in self._done]) for name in self._done[0]
-        }
+        sums = {name: np.concatenate([part[name] for part in self._done]) for name in self._done[0]}
         steps, planned = sums.pop("steps"), sums.pop("planned", np.zeros(0))
         counts = {name: planned if name == "disagreement" else steps for name in sums}
         with np.errstate(invalid="ignore"):

@@ -56,10 +56,7 @@ PARTNERS = Suite(
     version=1,
     title="Beside partners that nobody trained with",
     scenarios=(
-        *(
-            _beside(name, kind)
-            for name, kind in {**SEEN, **OTHER_NUMBERS, **OTHER_KINDS}.items()
-        ),
+        *(_beside(name, kind) for name, kind in {**SEEN, **OTHER_NUMBERS, **OTHER_KINDS}.items()),
         *(_beside(name, kind, action="motion") for name, kind in HANDS.items()),
         *(_beside(f"walking, {env}", Walking(), env) for env in ELSEWHERE),
         _beside(HAND, Impedance()),
