@@ -1,4 +1,4 @@
-"""The benchmark: versioned suites of scenarios, whatever is entered in them, and what came of it."""
+"""The benchmark: versioned suites of scenarios, what is entered in them, what came of it."""
 
 from .conduct import Outcome, Plan, conduct, plan
 from .entries import Entry, read_entry

@@ -1,4 +1,4 @@
-"""Functions of the user's own as entries: ``module:name``, and by their parameters what they are."""
+"""Functions of the user's own as entries: their names, and what they are by their parameters."""
 
 import sys
 from collections.abc import Callable

@@ -13,7 +13,12 @@ from coopenv.envs.registry import PREFIX
 from coopenv.errors import UnknownName
 from coopenv.physics.body import Body
 
-DIGESTS = {}
+DIGESTS = {
+    "team-1": "8286cfc1f6e6068a7a802e87881082f7d4aafacaeebfe28ade82ee666d5c0b72",
+    "partners-1": "03398f7520f45875fd94ac3b43ef952a3c99d02baf8c55553d5fd959314a766b",
+    "bodies-1": "a557a948643bdaa355b56cd13467f0a643249d4e0ce6e306e0f9d18ae28a0f71",
+    "haptics-1": "c7051258ce5cf7038c1dced7b0db5f06870eb3662727700cb18ec3f5054188da",
+}
 EVERY = [(suite, one) for suite in SUITES.values() for one in suite.scenarios]
 
 
