@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import locked, require_folder
@@ -140,7 +140,7 @@ def conduct(planned: Plan, out: Path, show: Show | None = None) -> Outcome:
 def run(cell: Cell) -> Result:
     """The episodes of a cell: at the tolerances of its environment, at half and at double."""
     entry, suite, one = cell.entry, cell.suite, cell.scenario
-    episodes = {"episodes": suite.episodes, "seed": suite.evaluation}
+    episodes: dict[str, Any] = {"episodes": suite.episodes, "seed": suite.evaluation}
     meter = Meter(one.config)
     seen = run_episodes(entry.policy(one), one.config, **episodes, watcher=meter)
     others = {

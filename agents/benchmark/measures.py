@@ -99,4 +99,5 @@ def shown(name: str, found: Estimate | None) -> str:
 
 
 def _rounded(value: float, low: float, high: float, episodes: int) -> Estimate:
-    return Estimate(*(float(f"{each:.{DIGITS}g}") for each in (value, low, high)), episodes)
+    value, low, high = (float(f"{each:.{DIGITS}g}") for each in (value, low, high))
+    return Estimate(value, low, high, episodes)

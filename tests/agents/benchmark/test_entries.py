@@ -36,6 +36,7 @@ def test_a_function_and_a_file_act_as_what_they_stand_for(tmp_path):
     expected, obs, core = actions("pretrained:{task}/joint", ALONE)
     np.testing.assert_array_equal(actions(str(file), ALONE)[0], expected)
     policy = load("BeamTransport", "joint")
+    assert core.transition is not None
     np.testing.assert_array_equal(policy(obs, core.transition), expected)
     scripted = actions("scripted", ALONE)[0]
     np.testing.assert_array_equal(actions(f"{HERE}made", ALONE)[0], scripted)

@@ -1,6 +1,7 @@
 """Suites: what they consist of, and that a version stays what it was."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -22,6 +23,10 @@ DIGESTS = {
 EVERY = [(suite, one) for suite in SUITES.values() for one in suite.scenarios]
 
 
+def task_of(scenario: Scenario, factor: float = 1.0) -> Any:
+    return scenario.within(factor).task
+
+
 def test_a_suite_that_changes_gets_a_new_version():
     """Whoever changes one raises its version here and there, and measures all entries anew.
 
@@ -36,7 +41,7 @@ def test_every_scenario_begins_and_has_other_tolerances(suite):
         core = Transport(num_worlds=1, config=one.config)
         obs, _ = core.reset(seed=[*evaluation_seeds(suite.evaluation, 1)])
         assert np.isfinite(obs).all()
-        half, double = (one.within(factor).task.position_tolerance for factor in (0.5, 2.0))
+        half, double = (task_of(one, factor).position_tolerance for factor in (0.5, 2.0))
         assert double == pytest.approx(4 * half)
 
 
@@ -60,10 +65,11 @@ def test_episodes_are_held_out():
 
 def test_half_the_tolerances_are_of_place_alone():
     one = Scenario(name="it", env="BeamLift")
-    task, half = one.config.task, one.within(0.5).task
+    task, half = task_of(one), task_of(one, 0.5)
+    names = [entry.name for entry in fields(task)]
     changed = {
         name: (getattr(task, name), getattr(half, name))
-        for name in task.__dataclass_fields__
+        for name in names
         if getattr(task, name) != getattr(half, name)
     }
     assert set(changed) == {"position_tolerance", "angle_tolerance", "height_tolerance"}
@@ -72,10 +78,10 @@ def test_half_the_tolerances_are_of_place_alone():
 
 
 def test_any_angle_stays_any_angle():
-    task = replace(Scenario(name="it", env="BeamTransport").config.task, angle_tolerance=np.pi)
+    task = replace(task_of(Scenario(name="it", env="BeamTransport")), angle_tolerance=np.pi)
     one = Scenario(name="it", env="BeamTransport", settings={"task": task})
-    assert one.within(0.5).task.angle_tolerance == np.pi
-    assert one.within(0.5).task.position_tolerance == task.position_tolerance / 2
+    assert task_of(one, 0.5).angle_tolerance == np.pi
+    assert task_of(one, 0.5).position_tolerance == task.position_tolerance / 2
 
 
 @pytest.mark.parametrize(
