@@ -1,13 +1,15 @@
 """Evaluation of policies on held-out episodes, alone or side by side."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from coopenv.arrays import whole
+from coopenv.arrays import BoolArray, whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
+from coopenv.info import Info
+from coopenv.transition import Transition
 from coopenv.transport import Transport
 
 from .episodes import Episodes, EpisodeSums
@@ -18,6 +20,7 @@ from .seeds import evaluation_seeds
 
 __all__ = [
     "Evaluation",
+    "Watcher",
     "compare",
     "evaluate",
     "run_episodes",
@@ -26,6 +29,18 @@ __all__ = [
     "table_format",
     "wilson_interval",
 ]
+
+
+class Watcher(Protocol):
+    """Is shown every step of `run_episodes`, to measure what `Episodes` does not have."""
+
+    def add(self, transition: Transition, info: Info, running: BoolArray) -> None:
+        """A step; ``running`` ``(world,)`` are the worlds whose episode it is of."""
+        ...
+
+    def end(self, episodes: int) -> None:
+        """So many episodes have come to their end, that of world k being the k-th."""
+        ...
 
 
 def evaluate(
@@ -103,6 +118,7 @@ def run_episodes(
     seed: int = 0,
     num_worlds: int = 250,
     recorder: Recorder | None = None,
+    watcher: Watcher | None = None,
 ) -> Episodes:
     """Run exactly ``episodes`` held-out episodes; entry k is that of the k-th world seed.
 
@@ -119,14 +135,18 @@ def run_episodes(
     core = Transport(num_worlds=min(num_worlds, episodes), config=config)
     check_environment(policy, core)
     batches = [
-        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]], recorder)
+        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]], recorder, watcher)
         for first in range(0, episodes, core.num_worlds)
     ]
     return Episodes.joined(batches)
 
 
 def _run_batch(
-    policy: Policy, core: Transport, seeds: list[int], recorder: Recorder | None
+    policy: Policy,
+    core: Transport,
+    seeds: list[int],
+    recorder: Recorder | None,
+    watcher: Watcher | None,
 ) -> Episodes:
     """One episode of each seed; worlds beyond the last seed idle beside them."""
     count = len(seeds)
@@ -142,6 +162,8 @@ def _run_batch(
         sums.add(reward, info)
         if recorder is not None:
             recorder.add(core.transition, reward, running)
+        if watcher is not None:
+            watcher.add(core.transition, info, running)
         over = terminated | truncated
         if not over.any():
             continue
@@ -154,4 +176,6 @@ def _run_batch(
         forget(policy, over)
     if recorder is not None:
         recorder.write(count)
+    if watcher is not None:
+        watcher.end(count)
     return Episodes.joined(ended).pick(np.argsort(np.concatenate(order)))

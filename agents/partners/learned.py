@@ -200,13 +200,17 @@ class PolicyPlayer:
 
     def act(self, transition: Transition) -> FloatArray:
         """Wrenches or actions for the next step; see `coopenv.partner.Player`."""
-        obs = self._observation(transition, keys=self._keys)[:, self._seen]
-        action = self._own(self._policy(obs, transition), transition)
+        action = self.actions(transition)
         if self.gives == "actions":
             return action
         team = transition.team
         frame, limits = team.frame[:, self._driven], team.limits[:, self._driven]
         return frames.wrenches_from_actions(action, frame, limits)[1]
+
+    def actions(self, transition: Transition) -> FloatArray:
+        """Actions ``(world, driven agent, a)`` for the next step, in [−1, 1], agent frame."""
+        obs = self._observation(transition, keys=self._keys)[:, self._seen]
+        return self._own(self._policy(obs, transition), transition)
 
     def get_state(self, worlds: IntArray) -> dict[str, Any]:
         """What it and its policy remember; see `coopenv.partner.StatefulPlayer`.

@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol
 from coopenv.agents.pretrained.command import Export
 from coopenv.bench.command import Bench
 from coopenv.cli import terminal, version
+from coopenv.cli.benchmark import Benchmark
 from coopenv.cli.evaluate import Evaluate
 from coopenv.cli.experiment import Report, RunExperiment, Sweep
 from coopenv.cli.options.reading import PROGRAM, completion, read
@@ -63,6 +64,7 @@ COMMANDS: dict[str, type[Command]] = {
     "experiment": RunExperiment,
     "sweep": Sweep,
     "report": Report,
+    "benchmark": Benchmark,
     "show": Show,
     "replay": Replay,
     "study": Study,
@@ -73,7 +75,7 @@ COMMANDS: dict[str, type[Command]] = {
     "completion": Completion,
 }
 GROUPS: dict[str, tuple[str, ...]] = {  # in the help of the program
-    "learn": ("train", "evaluate", "export", "experiment", "sweep", "report"),
+    "learn": ("train", "evaluate", "export", "experiment", "sweep", "report", "benchmark"),
     "look": ("show", "replay", "study"),
     "recordings": ("decompose", "inspect"),
     "machine": ("bench", "warmup", "completion"),

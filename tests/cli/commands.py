@@ -7,6 +7,7 @@ LEAST: dict[str, list[str]] = {
     "experiment": ["tiny.toml"],
     "sweep": ["wasted_cost", "0"],
     "report": ["runs"],
+    "benchmark": ["random"],
     "show": ["--grips", "-0.9", "0", "0.9", "0", "--applied", "3", "0", "0", "-1", "0", "0"],
     "replay": ["random"],
     "study": ["beam"],

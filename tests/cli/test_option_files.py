@@ -36,6 +36,8 @@ CASES = {
     "experiment": ('file = "a.toml"\nworkers = 2\ndry-run = true', {"workers": 2, "dry_run": True}),
     "sweep": ('term = "time"\nvalues = [0, 1]\nsteps = 20_000\nseeds = 2', {"values": (0.0, 1.0)}),
     "report": ('folder = "runs/a"', {"folder": Path("runs/a")}),
+    "benchmark": ('entries = ["random"]\nsuites = ["team"]\ndry-run = true',
+                  {"entries": ("random",), "suites": ("team",), "dry_run": True}),
     "show": ("applied = [3, 0, 0, -1, 0, 0]\ngrips = [-1, 0, 1, 0]\nregions = false",
              {"grips": (-1.0, 0.0, 1.0, 0.0), "regions": False}),
     "replay": ('what = "scripted"\nfps = 10\nout = "a.mp4"', {"fps": 10.0, "out": Path("a.mp4")}),

@@ -1,0 +1,55 @@
+"""The pages of the benchmark: they show the summaries beside them, of these versions."""
+
+import pytest
+
+pytest.importorskip("rich")
+
+from benchmarks import board, pages
+from coopenv.agents.benchmark import SUITES, conduct, plan, read_entry
+from coopenv.agents.benchmark.summary import Summary
+
+ENTERED = [(suite, one) for suite in SUITES.values() for one in board.summaries(suite)]
+
+
+def test_the_pages_show_the_summaries_beside_them():
+    # else: python -m benchmarks.board --write
+    for page, tables in ((board.PAGE, board.tables()), (board.REST, board.measures())):
+        assert page.read_text(encoding="utf-8") == pages.filled(page, tables)
+
+
+@pytest.mark.parametrize(("suite", "one"), ENTERED, ids=lambda each: getattr(each, "entry", ""))
+def test_summaries_are_of_the_suites_as_they_are(suite, one: Summary):
+    assert (one.suite, one.version) == (suite.name, suite.version)
+    digests = {scenario.name: suite.digest_of(scenario) for scenario in suite.scenarios}
+    for name, result in one.results.items():
+        assert result.digest == digests[name]
+        for found in filter(None, result.measures.values()):
+            assert 0 < found.episodes <= suite.episodes
+
+
+def test_every_suite_has_a_reference_that_succeeds():
+    for suite in SUITES.values():
+        mine = {one.entry: one for one in board.summaries(suite)}
+        assert {"nobody", "random", "scripted"} <= mine.keys()
+        for name in mine["scripted"].results.keys() & mine["nobody"].results.keys():
+            better, idle = (
+                mine[entry].results[name].measures["success_rate"]
+                for entry in ("scripted", "nobody")
+            )
+            assert better is not None
+            assert idle is not None
+            assert better.value >= idle.value
+
+
+def test_what_stands_on_the_page_is_measured_again(tmp_path):
+    suite = SUITES["haptics"]
+    name = "wrench, 7.7 kg"
+    entry = read_entry("scripted")
+    outcome = conduct(plan([entry], [suite], only=[name]), tmp_path)
+    (again,) = outcome.summaries.values()
+    (kept,) = [one for one in board.summaries(suite) if one.entry == "scripted"]
+    for measure, found in kept.results[name].measures.items():
+        mine = again.results[name].measures[measure]
+        assert (mine is None) == (found is None)
+        if mine is not None and found is not None:
+            assert mine.value == pytest.approx(found.value, rel=1e-3, abs=0.01)
