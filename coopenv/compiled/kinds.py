@@ -7,6 +7,7 @@ from numba import njit
 from numba.extending import intrinsic, register_jitable
 
 from coopenv.compiled.dependencies import ANYWHERE, known, seen
+from coopenv.compiled.garbage import Entry
 from coopenv.compiled.parts import also_part, part
 from coopenv.compiled.universal import Universal
 
@@ -16,17 +17,18 @@ Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 _PLAIN: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 _FUSED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
+_ENTRY: dict[str, Any] = {"cache": True, "no_cfunc_wrapper": True, "pipeline_class": Entry}
 
 
 def compiled(function: Callable[..., Any]) -> Any:
     """Compile a function that Python or other kernels call."""
-    kernel = njit(**_PLAIN, cache=True)(known(function))
+    kernel = njit(**_PLAIN, **_ENTRY)(known(function))
     return also_part(kernel, **_PLAIN)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a function into each kernel that calls it."""
-    kernel = njit(**_PLAIN, cache=True, forceinline=True)(known(function))
+    kernel = njit(**_PLAIN, **_ENTRY, forceinline=True)(known(function))
     return also_part(kernel, **_PLAIN, forceinline=True)
 
 
@@ -51,7 +53,7 @@ def fused_inlined(function: Callable[..., Any]) -> Any:
 
 def fused_entry(function: Callable[..., Any]) -> Any:
     """Compile the function through which Python calls kernels whose products and sums are fused."""
-    return njit(**_FUSED, cache=True)(known(function))
+    return njit(**_FUSED, **_ENTRY)(known(function))
 
 
 def in_llvm(function: Callable[..., Any]) -> Any:

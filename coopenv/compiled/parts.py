@@ -13,7 +13,7 @@ from typing import Any
 from llvmlite.binding import Linkage
 from numba import njit, types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 
 
 class _Codegen:
@@ -74,7 +74,46 @@ class _Part(JITCodeLibrary):
         return list(found)
 
 
+class _Kept(Flags):
+    """Flags that are never changed, of which there is one object for all that are equal.
+
+    Numba looks up what it compiled of its own functions by the flags of their caller, each time
+    that one is called. To compare and hash them costs more than all else of the look-up.
+    """
+
+    __slots__ = ("_hash",)
+
+    def __init__(self, copy_from: Flags):
+        super().__init__(copy_from)
+        self._hash = super().__hash__()
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def copy(self) -> Flags:
+        """A copy that may be changed."""
+        return Flags(self)
+
+
+_all_kept: dict[_Kept, _Kept] = {}
+
+
+class _Flags(Flags):
+    """Flags of a part; numba gives a copy of them to all that it compiles for the part."""
+
+    __slots__ = ()
+
+    def copy(self) -> _Kept:
+        """As they are now, to be kept."""
+        kept = _Kept(self)
+        return _all_kept.setdefault(kept, kept)
+
+
 class _Pipeline(Compiler):
+    def compile_extra(self, func: Any) -> Any:
+        self.state.flags = _Flags(self.state.flags)
+        return super().compile_extra(func)
+
     def define_pipelines(self) -> Any:
         if self.state.library is None:
             codegen = self.state.targetctx.codegen()

@@ -8,6 +8,7 @@ from numba import guvectorize
 from numba.core.compiler_lock import global_compiler_lock
 
 from coopenv.compiled.cache import forget_loop
+from coopenv.compiled.garbage import kept
 
 
 class Universal(partial):
@@ -32,7 +33,7 @@ class Universal(partial):
     @property
     def ufunc(self) -> Any:
         """NumPy's ufunc."""
-        with global_compiler_lock:
+        with global_compiler_lock, kept():
             if isinstance(self.func, partial):
                 made = _compile(self._kernel, self._layout, self._types)
                 self.__setstate__((made, (), {}, self.__dict__))
