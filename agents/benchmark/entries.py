@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -118,10 +119,7 @@ def _of_file(given: str, name: str, trust: bool) -> Entry:
         return path
 
     def policy(scenario: Scenario) -> Policy:
-        trained = read(file(scenario), trust=trust)
-        if scenario.config.partner is None:
-            return trained
-        return Seated(trained, scenario.config)
+        return _acting(read(file(scenario), trust=trust), scenario)
 
     if TASK not in given:  # then it is there or not, whatever the scenario
         read(file(Scenario(name="", env="")), trust=trust)
@@ -132,6 +130,18 @@ def _of_file(given: str, name: str, trust: bool) -> Entry:
         policy=policy,
         digest=lambda scenario: sha256(file(scenario).read_bytes()).hexdigest(),
     )
+
+
+def _acting(trained: Any, scenario: Scenario) -> Policy:
+    """A trained policy with the blocks of its record, or where these are set with no others."""
+    if "sensing" in scenario.settings and scenario.config.partner is None:
+        return trained
+    try:
+        return Seated(trained, scenario.config)
+    except InvalidInput:
+        if scenario.config.partner is not None:
+            raise
+        return trained  # of no record, or through sensors: it fits the environment or is left out
 
 
 def _label(given: str) -> str:
