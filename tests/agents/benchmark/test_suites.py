@@ -16,7 +16,7 @@ from coopenv.physics.body import Body
 
 DIGESTS = {
     "team-1": "8286cfc1f6e6068a7a802e87881082f7d4aafacaeebfe28ade82ee666d5c0b72",
-    "partners-1": "03398f7520f45875fd94ac3b43ef952a3c99d02baf8c55553d5fd959314a766b",
+    "partners-1": "1e8fc8aa0c24b8fba56db93fe7eb96d10e50a94d2211747a61c2f4681faca6e3",
     "bodies-1": "a557a948643bdaa355b56cd13467f0a643249d4e0ce6e306e0f9d18ae28a0f71",
     "haptics-1": "c7051258ce5cf7038c1dced7b0db5f06870eb3662727700cb18ec3f5054188da",
 }
