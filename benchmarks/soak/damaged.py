@@ -16,11 +16,13 @@ from benchmarks.soak.commands.server import server
 from benchmarks.soak.damage.mutations import damaged
 from benchmarks.soak.damage.readers import READERS, Reader
 from coopenv.errors import CoopenvError
+from tests.reliability import damaged as recordings
 
 NAME = "damaged"
 SHARE = 0.06
 FILES = 12  # a trial
 CACHE = 0.05  # of the trials are about the cache of compiled code
+RECORDINGS = 0.4  # about recordings and layouts, of every format that is read
 
 
 def warm_up() -> None:
@@ -35,6 +37,8 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
     rng = np.random.default_rng([4, seed])
     if rng.random() < CACHE:
         return _damage_cache(rng, folder)
+    if rng.random() < RECORDINGS:
+        return _damage_recordings(seed, folder)
     reader = READERS[rng.integers(len(READERS))]
     refused = 0
     for number in range(FILES):
@@ -44,6 +48,15 @@ def trial(seed: int, folder: Path) -> dict[str, int]:
         refused += is_refused(reader, content, place)
         rmtree(place)
     return {"damaged_files": FILES, "refused_files": refused}
+
+
+def _damage_recordings(seed: int, folder: Path) -> dict[str, int]:
+    """Files of as many formats, also of those that are read alone: MATLAB, HDF5, bags, C3D."""
+    for number in range(FILES * seed, FILES * (seed + 1)):
+        path = recordings.damaged(number, folder)
+        recordings.check(path)
+        recordings.remove(path)
+    return {"damaged_files": FILES}
 
 
 def is_refused(reader: Reader, content: bytes, folder: Path) -> bool:
