@@ -60,8 +60,9 @@ class EnvironmentChoice:
     cost: Annotated[str | None, _COST] = None
     observe: tuple[str, ...] | None = None
     """Observation blocks, for example: goal twist own_wrench."""
-    also_observe: tuple[str, ...] = ()
-    """Blocks beside those that the environment has, or that observe or sensing says: near_goal."""
+    also_observe: tuple[str, ...] | None = None
+    """Blocks beside those that the environment has, or that observe or sensing says: near_goal.
+    None: no others, but in a training those that its id needs, unless observe or sensing says."""
     sensing: Literal["own", "shared"] | None = None
     """Instead of observe: what an agent senses by itself, or the partners' senses too."""
     bounded: bool | None = None
@@ -97,6 +98,11 @@ class EnvironmentChoice:
     def __post_init__(self) -> None:
         for name in GROUPS:
             object.__setattr__(self, name, entries_of(getattr(self, name), name))
+        if isinstance(self.also_observe, str):
+            raise InvalidInput(
+                f"also_observe must be a list of blocks, got {self.also_observe!r}; write "
+                f"[{self.also_observe!r}]"
+            )
 
     def config(self) -> TransportConfig:
         """The environment's whole configuration.
@@ -131,20 +137,14 @@ class EnvironmentChoice:
     def _changed(self, config: TransportConfig) -> TransportConfig:
         made = changed(config, {name: getattr(self, name) for name in GROUPS})
         there = {find_block(entry).name for entry in made.observe}
-        more = tuple(name for name in self.also_observe if name not in there)
+        more = tuple(name for name in self.also_observe or () if name not in there)
         return replace(made, observe=(*made.observe, *more)) if more else made
 
     def over_file(self, file: "EnvironmentChoice") -> "EnvironmentChoice":
-        """Take the numbers of body, scene and so on in ``file`` that are not given here.
-
-        Blocks beside the observed ones that were not given here go where what is observed was.
-        """
-        seen = [(each.observe, each.sensing) for each in (self, file)]
-        apart = seen[0] != seen[1] and self.also_observe == file.also_observe
+        """Take the numbers of body, scene and so on in ``file`` that are not given here."""
         groups = {name: (getattr(file, name), getattr(self, name)) for name in GROUPS}
         return replace(
             self,
-            also_observe=() if apart else self.also_observe,
             **{
                 name: own if own == theirs else (*theirs, *own)
                 for name, (theirs, own) in groups.items()

@@ -51,6 +51,8 @@ def test_a_team_acts_at_random_in_whatever_actions_there_are(action):
     ("arguments", "says"),
     [
         (["--num-worlds", "0"], "num_worlds must be a whole number of at least 1, got 0"),
+        (["--num-worlds", "2", "1000001"], "num_worlds must be at most 1000000, got 1000001"),
+        (["--threads", "1", "1025"], "threads must be at most 1024, got 1025"),
         (["--threads", "0"], "threads must be a whole number of at least 1, got 0"),
         (["--seconds", "0"], "seconds must be"),
         (["--seconds", "61"], "seconds must be at most 60, got 61"),

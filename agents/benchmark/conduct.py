@@ -13,9 +13,9 @@ from ..experiments.revision import revision
 from ..provenance import versions
 from ..training.threads import torch_threads
 from . import measures, scenario
-from .entries import Entry
+from .entries import TASK, Entry
 from .meter import Meter
-from .rehearsal import rehearse
+from .rehearsal import rehearse, wrong
 from .scenario import Scenario, Suite
 from .summary import Result, Summary, read_summary
 
@@ -131,10 +131,18 @@ def conduct(planned: Plan, out: Path, show: Show | None = None) -> Outcome:
             _tell(show, done, total, number, len(cells))
             path = cell.file(out)
             if not _is_done(cell, kept[path]):
-                kept[path] = kept[path].with_result(cell.scenario.name, run(cell))
+                kept[path] = kept[path].with_result(cell.scenario.name, _tried(cell))
                 kept[path].save(path)
         _tell(show, total, total, len(cells), len(cells))
     return Outcome(summaries=kept, left_out=planned.left_out)
+
+
+def _tried(cell: Cell) -> Result:
+    """`run` a cell; what breaks off in it says whose it is."""
+    try:
+        return run(cell)
+    except Exception as error:
+        raise wrong(cell.entry, cell.scenario, error) from error
 
 
 def run(cell: Cell) -> Result:
@@ -191,10 +199,14 @@ def _is_done(cell: Cell, summary: Summary) -> bool:
 
 def _require_same(cell: Cell, summary: Summary, out: Path) -> None:
     """Raise `InvalidInput` unless what is there is of the same entry."""
-    result = summary.results.get(cell.scenario.name)
-    mine = cell.entry.given, cell.entry.digest(cell.scenario)
-    theirs = summary.given, mine[1] if result is None else result.sha256
-    if mine != theirs:
+    mine = cell.entry.digest(cell.scenario)
+    theirs = {
+        summary.results[one.name].sha256
+        for one in cell.suite.scenarios
+        if one.name in summary.results
+        and (TASK not in cell.entry.given or one.env == cell.scenario.env)
+    }
+    if cell.entry.given != summary.given or not theirs <= {mine}:
         raise InvalidInput(
             f"out must hold nothing else under the name {cell.entry.name!r}, got "
             f"{cell.file(out)}, which is of {summary.given!r} as it was then; give another --name "

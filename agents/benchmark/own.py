@@ -72,12 +72,17 @@ class _Observing:
     def __call__(self, obs: npt.NDArray, transition: Transition) -> Any:
         return self._act(obs)
 
+    def __getattr__(self, name: str) -> Any:
+        if name in ("reset", "seed_episodes"):  # of one that remembers, or draws
+            return getattr(self._act, name)
+        raise AttributeError(name)
+
 
 def _found(name: str) -> Callable[..., Any]:
     module, _, inside = name.partition(":")
     try:
         found: Any = import_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InvalidInput(
             f"entry must be in a module that can be imported, got {module!r}: "
             f"{type(error).__name__}: {error}; mend it, or put its folder on PYTHONPATH"

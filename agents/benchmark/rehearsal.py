@@ -31,11 +31,11 @@ def rehearse(entry: Entry, scenario: Scenario) -> CoopenvError | None:
     except CoopenvError as error:
         return error
     except Exception as error:
-        raise _wrong(entry, scenario, error) from error
+        raise wrong(entry, scenario, error) from error
     try:
         _act(policy, core)
     except Exception as error:
-        raise _wrong(entry, scenario, error) from error
+        raise wrong(entry, scenario, error) from error
     return None
 
 
@@ -48,7 +48,8 @@ def _act(policy: Policy, core: Transport) -> None:
         obs, *_ = core.step(policy(obs, core.transition))
 
 
-def _wrong(entry: Entry, scenario: Scenario, error: Exception) -> InvalidInput:
+def wrong(entry: Entry, scenario: Scenario, error: Exception) -> InvalidInput:
+    """Says in whose scenario something is wrong."""
     kind = "" if isinstance(error, CoopenvError) else f"{type(error).__name__}: "
     return InvalidInput(
         f"{entry.name} must act in the scenario {scenario.name!r}, got {kind}{error}; mend it"

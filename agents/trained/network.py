@@ -22,6 +22,7 @@ OUTPUTS = (
 # more it wakes one a core; they wait for each other in a loop, which costs many times the product
 # where layers are as small as those of policies, most of all on a busy machine.
 SMALL = 2**18
+FEW = 8  # rows, of which a product at a time costs more than threads do
 _LOG_STD = -20.0, 2.0  # of a spread that a layer gives, as Stable-Baselines3 bounds it
 
 
@@ -56,7 +57,9 @@ class Layer:
     def __call__(self, x: Rows) -> Rows:
         """Units of each row."""
         units = np.empty((len(x), len(self.weight)), dtype=np.float32)
-        rows = max(1, SMALL // self.weight.size)
+        rows = SMALL // self.weight.size
+        if rows < FEW:  # threads pay for a layer that is so large
+            rows = max(1, len(x))
         for first in range(0, len(x), rows):
             part = slice(first, first + rows)
             np.matmul(x[part], self.weight.T, out=units[part])

@@ -58,7 +58,7 @@ class Spaces:
             f"obs and action must have the sizes the policy was trained on, {self.features} "
             f"features in and {self.actions} numbers out, for the team or each agent, got "
             f"{counts[0]} agents with {size} and {given} each; evaluate it with the observe=, "
-            "action= and number of agents of its training"
+            "also_observe=, action= and number of agents of its training"
         )
 
     def rows(self, obs: npt.NDArray, width: int) -> npt.NDArray:

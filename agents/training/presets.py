@@ -1,6 +1,7 @@
 """Settings of PPO for each environment: what ``coopenv train`` takes where nothing is said."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from ..settings import EnvironmentChoice, TrainConfig
@@ -35,15 +36,20 @@ def preset(env: str) -> dict[str, Any]:
     return dict(PRESETS.get(_id(env), {}))
 
 
-def environment_choice(env: str) -> EnvironmentChoice:
-    """The environment of a Gymnasium id, with the blocks that a training there observes too.
+def observing(config: TrainConfig) -> TrainConfig:
+    """A run with the blocks that a training of its id needs, unless it says what is observed.
 
     Parameters
     ----------
-    env
-        As in `preset`.
+    config
+        Of the run; it says so by ``also_observe``, ``observe`` or ``sensing`` of its environment.
     """
-    return EnvironmentChoice(env=env, also_observe=ALSO_OBSERVED.get(_id(env), ()))
+    chosen = config.environment
+    if chosen.also_observe is not None:
+        return config
+    said = chosen.observe is not None or chosen.sensing is not None
+    also = () if said else ALSO_OBSERVED.get(_id(chosen.env), ())
+    return replace(config, environment=replace(chosen, also_observe=also))
 
 
 def _id(env: str) -> str:
@@ -57,7 +63,7 @@ def train_config(environment: EnvironmentChoice | str, **settings: Any) -> Train
     Parameters
     ----------
     environment
-        Of the run, or its id, which stands for `environment_choice`.
+        Of the run, or its id; `observing` says what is observed where it does not.
     **settings
         Fields of `coopenv.agents.settings.TrainConfig`.
 
@@ -72,5 +78,6 @@ def train_config(environment: EnvironmentChoice | str, **settings: Any) -> Train
     True
     """
     if isinstance(environment, str):
-        environment = environment_choice(environment)
-    return TrainConfig(environment=environment, **{**preset(environment.env), **settings})
+        environment = EnvironmentChoice(env=environment)
+    given = {**preset(environment.env), **settings}
+    return observing(TrainConfig(environment=environment, **given))

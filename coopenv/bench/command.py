@@ -79,12 +79,14 @@ class Bench:
 
     def _checked(self) -> float:
         """The seconds, if all numbers can be."""
+        from coopenv.stepping.worlds import MOST_THREADS, MOST_WORLDS
+
         if not self.num_worlds:
             raise InvalidInput("num_worlds must be at least one number, got none; for example 256")
         for value in self.num_worlds:
-            whole(value, "num_worlds", at_least=1)
+            whole(value, "num_worlds", at_least=1, at_most=MOST_WORLDS)
         for value in self.threads:
-            whole(value, "threads", at_least=1)
+            whole(value, "threads", at_least=1, at_most=MOST_THREADS)
         seconds = positive(self.seconds, "seconds")
         if seconds > LONGEST:
             raise InvalidInput(

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from typing_extensions import Self
 
 from coopenv.agents.seeds import evaluation_seeds
-from coopenv.agents.settings import TrainConfig
-from coopenv.agents.training.presets import train_config
+from coopenv.agents.settings import EnvironmentChoice, TrainConfig
+from coopenv.agents.training.presets import observing, preset
 from coopenv.arrays import whole
 from coopenv.cli.environments import Environment
 from coopenv.cli.options import runfile
@@ -54,7 +54,7 @@ class Train:
     @classmethod
     def suited(cls, env: str) -> Self:
         """The command with the settings that an environment's id has."""
-        return cls(training=train_config(env))
+        return cls(training=TrainConfig(environment=EnvironmentChoice(env=env), **preset(env)))
 
     @classmethod
     def configured(cls, path: Path, trust: Trust = False, env: str | None = None) -> Self:
@@ -71,9 +71,10 @@ class Train:
         """Train, evaluate, draw, while nobody else does in the same folder."""
         require_folder(self.training.out)
         with locked(self.training.out):
-            return self._run()
+            return replace(self, training=observing(self.training)).run_alone()
 
-    def _run(self) -> dict[str, Any]:
+    def run_alone(self) -> dict[str, Any]:
+        """`run` where nobody else works in the folder, with all that is observed said."""
         from rich.console import Console
 
         from coopenv.agents.partners import trusting

@@ -27,6 +27,14 @@ def test_summaries_are_of_the_suites_as_they_are(suite, one: Summary):
             assert 0 < found.episodes <= suite.episodes
 
 
+@pytest.mark.parametrize(("suite", "one"), ENTERED, ids=lambda each: getattr(each, "entry", ""))
+def test_summaries_of_the_packages_policies_are_of_those_it_has(suite, one: Summary):
+    entry = read_entry(one.given) if one.given.startswith("pretrained:") else None
+    for scenario in suite.scenarios if entry is not None else ():
+        if scenario.name in one.results:
+            assert one.results[scenario.name].sha256 == entry.digest(scenario)
+
+
 def test_every_suite_has_a_reference_that_succeeds():
     for suite in SUITES.values():
         mine = {one.entry: one for one in board.summaries(suite)}

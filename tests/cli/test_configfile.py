@@ -241,7 +241,7 @@ def recorded(path: Path, given: TransportConfig | None = None, **options: Any) -
 
 def test_fresh_of_a_run_does_not_come_back_with_its_config_json(tmp_path):
     path = tmp_path / "config.json"
-    config = recorded(path, fresh=True)
+    config = recorded(path, fresh=True, environment=EnvironmentChoice(also_observe=()))
     assert "fresh" not in json.loads(path.read_text())
     assert command("train", "--config", path).training == replace(config, fresh=False)
     before = json.loads(path.read_text()) | {"fresh": True}  # as it was written once
@@ -284,7 +284,8 @@ def test_every_environment_that_options_name_comes_back_from_its_config_json(
     environment, control, tmp_path
 ):
     path = tmp_path / "config.json"
-    config = recorded(path, environment=EnvironmentChoice(**environment), control=control)
+    chosen = EnvironmentChoice(**environment, also_observe=())
+    config = recorded(path, environment=chosen, control=control)
     assert command("train", "--config", path).training == config
     made = command("evaluate", "random", "--config", path)
     assert made.environment.config() == config.environment.config()

@@ -42,6 +42,16 @@ class Screen(NamedTuple):
     is_mobile: bool = False
 
 
+def _by_value(expression: str) -> dict[str, Any]:
+    return {"expression": expression, "returnByValue": True}
+
+
+def _value(told: dict[str, Any]) -> Any:
+    """What JavaScript came to."""
+    assert "exceptionDetails" not in told, told
+    return told["result"].get("value")
+
+
 def found() -> str | None:
     """The browser's path, if there is one."""
     return next(filter(None, map(shutil.which, NAMES)), None)
@@ -81,7 +91,13 @@ class Browser:
         os.close(self._in)
 
     def ask(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """The answer to a request of the protocol."""
+        """The result of a request of the protocol."""
+        told = self.answer(method, **parameters)
+        assert "error" not in told, (method, told)
+        return told["result"]
+
+    def answer(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """The answer to a request, which may be an error."""
         self._asked += 1
         message: dict[str, Any] = {"id": self._asked, "method": method, "params": parameters}
         if self._session:
@@ -91,8 +107,7 @@ class Browser:
         while True:
             told = self._next(until)
             if told.get("id") == self._asked:
-                assert "error" not in told, (method, told)
-                return told["result"]
+                return told
             self._events.append(told)
 
     def show(self, screen: Screen) -> None:
@@ -115,15 +130,16 @@ class Browser:
 
     def value(self, expression: str) -> Any:
         """What a line of JavaScript comes to."""
-        told = self.ask("Runtime.evaluate", expression=expression, returnByValue=True)
-        assert "exceptionDetails" not in told, told
-        return told["result"].get("value")
+        return _value(self.ask("Runtime.evaluate", **_by_value(expression)))
 
     def wait_for(self, condition: str) -> None:
         """Come back when a line of JavaScript is true."""
         until = time.monotonic() + PATIENCE
-        while not self.value(condition):
-            assert time.monotonic() < until, condition
+        while True:
+            told = self.answer("Runtime.evaluate", **_by_value(condition))
+            if "error" not in told and _value(told["result"]):  # between two pages none answers
+                return
+            assert time.monotonic() < until, (condition, told)
             time.sleep(0.05)
 
     def console(self) -> list[str]:

@@ -243,8 +243,9 @@ def without_news(core):
     quiet = np.zeros((core.num_agents, core.observation.size), dtype=bool)
     if "known" in blocks:  # what this team is told never changes
         quiet[:, blocks["known"]] = True
-    if "goal" in blocks:
-        quiet[~told.any(axis=1), blocks["goal"]] = True
+    for name in ("goal", "near_goal"):
+        if name in blocks:
+            quiet[~told.any(axis=1), blocks[name]] = True
     if "twist" in blocks and core.bodies[0].nonholonomic:  # no sideways velocity
         quiet[:, blocks["twist"].start + 1] = True
     if "own_motion" in blocks and core.bodies[0].nonholonomic:  # nor at the wheels' own axle

@@ -71,4 +71,4 @@ def test_later_trials_are_drawn_after_earlier_ones(tmp_path):
     drawn = (tmp_path / "a.png").read_bytes()
     assert drawn.startswith(b"\x89PNG")
     width, height = np.frombuffer(drawn, dtype=">u4", count=2, offset=16).tolist()  # [px]
-    assert (width, height) == (1540, 110 * (1 + 2 * 7))  # seven rows of panels
+    assert (width, height) == (1500, 115 * (1 + 2 * 7))  # seven rows of panels

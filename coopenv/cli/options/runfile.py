@@ -7,14 +7,13 @@ what is given on the command line wins.
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from coopenv.agents.differences import differences
 from coopenv.agents.provenance import Provenance, versions
 from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
-from coopenv.agents.training.presets import environment_choice, preset
+from coopenv.agents.training.presets import preset
 from coopenv.cli.options.content import (
     PLACES,
     TRAINING,
@@ -56,7 +55,10 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     content = without_fresh(checked(content, f"option in {path}", top, PLACES), path)
     what = f"option in {path}, evaluation"
     content["evaluation"] = checked(content.get("evaluation", {}), what, EVALUATION, PLACES)
-    content["environment"] = environment_table(content.get("environment", {}), path, trust)
+    table = environment_table(content.get("environment", {}), path, trust)
+    whole = noted is not None or ("observe" in table and "also_observe" not in table)
+    also = {"also_observe": table.get("also_observe") or []} if whole else {}
+    content["environment"] = {**table, **also}  # of a run, what is observed is all there
     if noted is not None:
         _check_recorded(noted, content, path)
     return content
@@ -66,15 +68,11 @@ def training(path: Path, trust: Trust = False, env: str | None = None) -> dict[s
     """Options of ``coopenv train`` in a file, as its fields.
 
     Settings that the file does not name are the preset of ``env``, or if that is ``None`` of the
-    file's id. So are blocks beside those observed, unless it has an ``observe``, as runs write it.
+    file's id.
     """
     content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
-    table, start = content["environment"], EnvironmentChoice()
-    if "observe" not in table:
-        chosen = environment_choice(env or table.get("env", start.env))
-        start = replace(start, also_observe=chosen.also_observe)
-    values["environment"] = environment(table, start)
+    values["environment"] = environment(content["environment"], EnvironmentChoice())
     if isinstance(values.get("hidden"), list):
         values["hidden"] = tuple(values["hidden"])
     if "out" in values:

@@ -69,3 +69,30 @@ def nothing(config):
 
 
 number = 3
+
+
+counted: list[int] = []  # worlds of each reset that `Counting` was told of
+
+
+class Counting:
+    """Remembers how many steps its episodes have had; fails after so many."""
+
+    def __init__(self, config):
+        self.resets, self.steps = 0, 0
+
+    def reset(self, mask):
+        counted.append(len(mask))
+        self.resets, self.steps = self.resets + 1, 0
+
+    def __call__(self, obs):
+        self.steps += 1
+        return np.full((*obs.shape[:2], 3), 0.1 * min(self.resets, 5))
+
+
+class Failing(Counting):
+    """Breaks off in the fifth step of an episode."""
+
+    def __call__(self, obs):
+        if self.steps == 4:
+            raise ZeroDivisionError("no weight left")
+        return Counting.__call__(self, obs)

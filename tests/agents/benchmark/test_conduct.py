@@ -1,5 +1,6 @@
 """Runs of the benchmark: what is measured, kept, gone on with; and its intervals."""
 
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from coopenv.agents.benchmark.meter import Meter
 from coopenv.agents.controllers import find_controller
 from coopenv.agents.evaluate import evaluate, run_episodes
 from coopenv.agents.evaluation import wilson_interval
+from coopenv.agents.pretrained import file_of
 from coopenv.errors import InvalidInput
 from tests.agents.benchmark.cases import SMALL
 
@@ -146,6 +148,21 @@ def test_another_entry_under_a_name_that_is_taken_is_refused(ran):
     with pytest.raises(InvalidInput, match="is of 'scripted' as it was then; give another --name"):
         conduct(plan([other], [SMALL]), ran.parents[1])
     assert ran.read_bytes() == before
+
+
+def test_a_file_that_changed_on_the_way_is_another_entry(tmp_path):
+    file = shutil.copy(file_of("pretrained:BeamTransport/joint"), tmp_path / "mine.npz")
+    conduct(plan([read_entry(str(file))], [SMALL], only=["alone"]), tmp_path / "out")
+    shutil.copy(file_of("pretrained:BeamTransport/shared"), file)
+    with pytest.raises(InvalidInput, match="as it was then; give another --name"):
+        conduct(plan([read_entry(str(file))], [SMALL], only=["beside"]), tmp_path / "out")
+
+
+def test_what_breaks_off_in_an_episode_says_whose_and_where_it_is(tmp_path):
+    entry = read_entry("tests.agents.benchmark.cases:Failing")
+    says = "Failing must act in the scenario 'alone', got ZeroDivisionError: no weight left"
+    with pytest.raises(InvalidInput, match=says):
+        conduct(plan([entry], [SMALL], only=["alone"]), tmp_path)
 
 
 @pytest.mark.parametrize("text", ["{}", "[]", "no", '{"kind": "coopenv.benchmark", "format": 9}'])

@@ -1,6 +1,8 @@
 """What can be entered, and what is refused before the first episode."""
 
 import shutil
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,10 +10,11 @@ import pytest
 from coopenv import Transport
 from coopenv.agents import load
 from coopenv.agents.benchmark import SUITES, Scenario, plan, read_entry
+from coopenv.agents.evaluate import evaluate
 from coopenv.agents.partners import Leader
 from coopenv.agents.pretrained import file_of
 from coopenv.errors import InvalidInput, UnknownName
-from tests.agents.benchmark.cases import SMALL
+from tests.agents.benchmark.cases import SMALL, counted
 
 HERE = "tests.agents.benchmark.cases:"
 ALONE, BESIDE = SMALL.scenarios
@@ -29,6 +32,14 @@ def test_a_function_of_what_is_observed_is_given_that_alone():
     np.testing.assert_array_equal(given, np.tanh(obs[..., :3]))
     assert read_entry(f"{HERE}sighted").sees == "observation"
     assert read_entry(f"{HERE}steered").sees == "state"
+
+
+def test_what_remembers_is_told_where_episodes_begin_whatever_it_is_given():
+    counted.clear()
+    evaluate(read_entry(f"{HERE}Counting").policy(ALONE), ALONE.config, episodes=3, num_worlds=2)
+    assert len(counted) > 2  # of two batches, and where worlds end within one
+    plain: Any = read_entry(f"{HERE}sighted").policy(ALONE)
+    assert not hasattr(plain, "reset")
 
 
 def test_a_function_and_a_file_act_as_what_they_stand_for(tmp_path):
@@ -66,8 +77,8 @@ def test_a_template_stands_for_a_file_of_each_task():
     team = SUITES["team"]
     planned = plan([read_entry("pretrained:{task}/joint")], [team], only=["BeamLift"])
     assert [cell.scenario.env for cell in planned.cells] == ["BeamLift"]
-    with pytest.raises(UnknownName, match="WalkerAvoid/joint"):
-        plan([read_entry("pretrained:{task}/joint")], [team], only=["WalkerAvoid"])
+    with pytest.raises(UnknownName, match="WalkerAvoid/alone"):
+        plan([read_entry("pretrained:{task}/alone")], [team], only=["WalkerAvoid"])
 
 
 @pytest.mark.parametrize(
@@ -111,6 +122,22 @@ def test_an_entry_is_left_out_where_it_says_that_it_cannot_act():
         plan([entry], [SMALL], only=["alone", "beside"])
     with pytest.raises(UnknownName, match="did you mean 'alone'"):
         plan([entry], [SMALL], only=["alon"])
+
+
+def test_a_module_that_leaves_the_interpreter_is_no_module(tmp_path, monkeypatch):
+    (tmp_path / "leaving.py").write_text("import sys\nsys.exit(3)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(InvalidInput, match="got 'leaving': SystemExit: 3; mend it"):
+        read_entry("leaving:act")
+
+
+def test_a_file_acts_by_the_blocks_of_its_record_but_where_senses_are_what_is_tried():
+    more = Scenario(name="it", env="BeamDoorway", settings={"horizon": 20})
+    given, _, _ = actions("pretrained:BeamDoorway/joint", more)  # which saw near_goal too
+    assert np.abs(given).max() > 0
+    own = Scenario(name="it", env="BeamDoorway", settings={"sensing": "own"})
+    with pytest.raises(InvalidInput, match="obs and action must have the sizes"):
+        plan([read_entry("pretrained:BeamDoorway/joint")], [replace(SMALL, scenarios=(own,))])
 
 
 def test_names_become_files_and_differ():

@@ -76,6 +76,19 @@ def test_layers_of_many_rows_are_what_each_row_alone_comes_to(rows):
     np.testing.assert_allclose(layer(x), wanted, atol=1e-5)
 
 
+@pytest.mark.parametrize(("units", "products"), [(64, 8), (512, 1), (1024, 1)])
+def test_a_layer_is_multiplied_in_blocks_where_that_pays_and_at_once_where_it_is_large(
+    units, products, monkeypatch
+):
+    seen = []
+    multiply = np.matmul
+    monkeypatch.setattr(np, "matmul", lambda *a, **b: seen.append(1) or multiply(*a, **b))
+    weight = np.ones((units, 512 if units > 64 else 64), dtype=np.float32)
+    layer = Layer(weight=weight, bias=weight[:, 0], activation="identity")
+    assert layer(np.ones((512, weight.shape[1]), dtype=np.float32)).shape == (512, units)
+    assert len(seen) == products
+
+
 def test_a_file_is_packed_and_says_no_time_of_day(tmp_path):
     file = tmp_path / "policy.npz"
     PlainPolicy(plain()).save(file)

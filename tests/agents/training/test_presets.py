@@ -9,9 +9,10 @@ pytest.importorskip("tyro")
 
 from coopenv import cli
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
-from coopenv.agents.training.presets import PRESETS, preset, train_config
+from coopenv.agents.training.presets import PRESETS, observing, preset, train_config
 from coopenv.cli.options.reading import read
 from coopenv.envs.registry import PREFIX
+from coopenv.errors import InvalidInput
 from coopenv.observation.observation import find_block
 
 DOORWAY = "coopenv/BeamDoorway-v0"
@@ -20,7 +21,7 @@ MINE = preset(DOORWAY)
 
 def trained(*arguments: object) -> TrainConfig:
     command = read(["train", *map(str, arguments)], cli.COMMANDS)
-    return command.training
+    return observing(command.training)  # as it is run
 
 
 def test_presets_are_of_our_ids_and_change_settings_of_a_training():
@@ -72,7 +73,7 @@ def test_the_id_of_the_command_line_counts_where_the_file_has_another(tmp_path):
     file = tmp_path / "run.toml"
     file.write_text("seed = 7\n")
     assert trained("--config", file, "--env", DOORWAY) == train_config(DOORWAY, seed=7)
-    assert trained("--config", file) == TrainConfig(seed=7)
+    assert trained("--config", file) == train_config("coopenv/BeamTransport-v0", seed=7)
 
 
 def seen(config: TrainConfig) -> list[str]:
@@ -91,15 +92,26 @@ def test_a_training_also_observes_what_its_id_needs_beside_what_the_environment_
     [
         (("--observe", "goal", "twist"), ["goal", "twist"]),
         (("--observe", "goal", "--also-observe", "time"), ["goal", "time"]),
+        (("--observe", "goal", "--also-observe", "near_goal"), ["goal", "near_goal"]),
     ],
 )
 def test_who_says_what_is_observed_sees_that_and_no_more(given, wanted):
     assert seen(trained("--env", DOORWAY, *given)) == wanted
-    assert "near_goal" not in seen(trained("--env", DOORWAY, "--sensing", "own"))
+    own = ("--env", DOORWAY, "--sensing", "own")
+    assert "near_goal" not in seen(trained(*own))
+    assert "near_goal" in seen(trained(*own, "--also-observe", "near_goal"))
+    assert "near_goal" not in seen(trained("--env", DOORWAY, "--also-observe"))
+
+
+def test_a_block_in_the_place_of_a_list_is_refused():
+    with pytest.raises(InvalidInput, match=r"also_observe must be a list .*'near_goal'; write"):
+        EnvironmentChoice(also_observe="near_goal")  # pyright: ignore[reportArgumentType]
 
 
 def test_a_file_that_says_what_is_observed_says_all_of_it(tmp_path):
     file = tmp_path / "run.toml"
+    file.write_text(f'[environment]\nenv = "{DOORWAY}"\nsensing = "own"\n')
+    assert "near_goal" not in seen(trained("--config", file))
     file.write_text(f'[environment]\nenv = "{DOORWAY}"\nobserve = ["goal"]\n')
     assert "near_goal" not in seen(trained("--config", file))
     file.write_text(f'[environment]\nenv = "{DOORWAY}"\nalso_observe = ["time"]\n')
@@ -109,6 +121,6 @@ def test_a_file_that_says_what_is_observed_says_all_of_it(tmp_path):
 def test_a_finished_run_is_taken_with_the_settings_that_it_had(tmp_path):
     """A run of before the presets has settings of its own, all of them in its file."""
     file = tmp_path / "config.json"
-    before = TrainConfig(environment=EnvironmentChoice(env=DOORWAY))
+    before = TrainConfig(environment=EnvironmentChoice(env=DOORWAY, also_observe=()))
     before.save(file)
     assert trained("--config", file) == before

@@ -68,7 +68,9 @@ class Times(NamedTuple):
         if abs(self.delay) > LEAST and not apart:
             total = layout.pose.delay + self.delay
             text = f"the pose is {abs(self.delay):.3f} s {'late' if self.delay > 0 else 'early'}"
-            yield Explanation("delay", text, f"[pose] delay = {total:.3f}", self.left, 1)
+            yield Explanation(
+                "delay", text, f"[pose] delay = {round(total, 3) + 0.0:.3f}", self.left, 1
+            )
         if devices is not None:
             for late in self.alone:
                 yield from late_devices((late,), layout, devices)
@@ -162,5 +164,5 @@ def _remedy(owner: Owner, layout: Layout, delay: float | None = None) -> str:
     """The line of a layout that takes a delay back, or names a part that is to stay."""
     name = owner.name if BARE.fullmatch(owner.name) else json.dumps(shown(owner.name))
     said = [f"part = {json.dumps(shown(owner.part))}"] * _is_undeclared(owner, layout)
-    said += [] if delay is None else [f"delay = {owner.delay + delay:.3f}"]
+    said += [] if delay is None else [f"delay = {round(owner.delay + delay, 3) + 0.0:.3f}"]
     return f"[files.{name}] {' '.join(said)}"
