@@ -29,8 +29,10 @@ def test_summaries_are_of_the_suites_as_they_are(suite, one: Summary):
 
 @pytest.mark.parametrize(("suite", "one"), ENTERED, ids=lambda each: getattr(each, "entry", ""))
 def test_summaries_of_the_packages_policies_are_of_those_it_has(suite, one: Summary):
-    entry = read_entry(one.given) if one.given.startswith("pretrained:") else None
-    for scenario in suite.scenarios if entry is not None else ():
+    if not one.given.startswith("pretrained:"):
+        return
+    entry = read_entry(one.given)
+    for scenario in suite.scenarios:
         if scenario.name in one.results:
             assert one.results[scenario.name].sha256 == entry.digest(scenario)
 
