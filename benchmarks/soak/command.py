@@ -62,9 +62,9 @@ class Soak:
 
     @property
     def folder(self) -> Path:
-        """Where its results are."""
+        """Where its results are, whatever the folder that is worked in."""
         usual = "soak" if self.only is None else f"soak-{self.only}"
-        return self.out or Path("runs") / usual
+        return (self.out or Path("runs") / usual).absolute()  # commands run in folders of their own
 
 
 def run(soak: Soak, console: Console) -> int:
