@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from coopenv.arrays import BoolArray, whole
+from coopenv.arrays import BoolArray, FloatArray, whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.info import Info
@@ -15,7 +15,6 @@ from coopenv.transport import Transport
 from .episodes import Episodes, EpisodeSums
 from .evaluation import Evaluation, save, table, table_format, wilson_interval
 from .policy import Policy, Samplable, check_environment, forget
-from .record import Recorder
 from .seeds import evaluation_seeds
 
 __all__ = [
@@ -32,10 +31,24 @@ __all__ = [
 
 
 class Watcher(Protocol):
-    """Is shown every step of `run_episodes`, to measure what `Episodes` does not have."""
+    """Is shown every step of `run_episodes`, to keep or measure what `Episodes` does not have."""
 
-    def add(self, transition: Transition, info: Info, running: BoolArray) -> None:
-        """A step; ``running`` ``(world,)`` are the worlds whose episode it is of."""
+    def add(
+        self, transition: Transition, reward: FloatArray, info: Info, running: BoolArray
+    ) -> None:
+        """A step.
+
+        Parameters
+        ----------
+        transition
+            Of all worlds.
+        reward
+            ``(world, agent)``.
+        info
+            Of the step.
+        running
+            ``(world,)`` worlds whose episode it is of; the others only fill the batch.
+        """
         ...
 
     def end(self, episodes: int) -> None:
@@ -51,7 +64,7 @@ def evaluate(
     seed: int = 0,
     num_worlds: int = 250,
     name: str = "",
-    recorder: Recorder | None = None,
+    recorder: Watcher | None = None,
 ) -> Evaluation:
     """Run held-out episodes and summarise them.
 
@@ -71,7 +84,8 @@ def evaluate(
     name
         What the policy is called in the table.
     recorder
-        Is given every step, of the policy as it is given.
+        Is shown every step, of the policy as it is given: `coopenv.agents.record.Recorder`, or
+        a `Watcher` of your own.
 
     Returns
     -------
@@ -117,8 +131,7 @@ def run_episodes(
     episodes: int = 500,
     seed: int = 0,
     num_worlds: int = 250,
-    recorder: Recorder | None = None,
-    watcher: Watcher | None = None,
+    recorder: Watcher | None = None,
 ) -> Episodes:
     """Run exactly ``episodes`` held-out episodes; entry k is that of the k-th world seed.
 
@@ -135,7 +148,7 @@ def run_episodes(
     core = Transport(num_worlds=min(num_worlds, episodes), config=config)
     check_environment(policy, core)
     batches = [
-        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]], recorder, watcher)
+        _run_batch(policy, core, [*seeds[first : first + core.num_worlds]], recorder)
         for first in range(0, episodes, core.num_worlds)
     ]
     return Episodes.joined(batches)
@@ -145,8 +158,7 @@ def _run_batch(
     policy: Policy,
     core: Transport,
     seeds: list[int],
-    recorder: Recorder | None,
-    watcher: Watcher | None,
+    recorder: Watcher | None,
 ) -> Episodes:
     """One episode of each seed; worlds beyond the last seed idle beside them."""
     count = len(seeds)
@@ -161,9 +173,7 @@ def _run_batch(
         obs, reward, terminated, truncated, info = core.step(policy(obs, core.transition))
         sums.add(reward, info)
         if recorder is not None:
-            recorder.add(core.transition, reward, running)
-        if watcher is not None:
-            watcher.add(core.transition, info, running)
+            recorder.add(core.transition, reward, info, running)
         over = terminated | truncated
         if not over.any():
             continue
@@ -175,7 +185,5 @@ def _run_batch(
         obs, _ = core.reset(mask=over)
         forget(policy, over)
     if recorder is not None:
-        recorder.write(count)
-    if watcher is not None:
-        watcher.end(count)
+        recorder.end(count)
     return Episodes.joined(ended).pick(np.argsort(np.concatenate(order)))

@@ -9,6 +9,7 @@ from coopenv.arrays import BoolArray, FloatArray
 from coopenv.config import TransportConfig
 from coopenv.errors import MissingExtra
 from coopenv.geometry.frames import rotated_back
+from coopenv.info import Info
 from coopenv.logs.columns import ORIENTATION, POSITION, TWIST, effector_names, wrench_names
 from coopenv.logs.formats.chunks import Sink
 from coopenv.render.film import PAUSE
@@ -87,6 +88,8 @@ def episode_steps(
 class Recorder:
     """Writes every step of evaluated episodes as rows that `coopenv.logs.read` takes.
 
+    It is a `coopenv.agents.evaluate.Watcher`, for the ``recorder`` of an evaluation.
+
     An episode is a trial; a row is the end of a step, with the wrenches that were held in it, in
     the columns of docs/recordings.md and the object frame. Beside them it carries the team's mean
     reward and the contacts' impulse [N·s].
@@ -105,13 +108,15 @@ class Recorder:
         self._worlds: list[npt.NDArray[np.int64]] = []
         self._num_agents = self._before = 0  # episodes that were written
 
-    def add(self, transition: Transition, reward: FloatArray, running: BoolArray) -> None:
+    def add(
+        self, transition: Transition, reward: FloatArray, info: Info, running: BoolArray
+    ) -> None:
         """Remember the step of the worlds ``(world,)`` that run."""
         self._num_agents = transition.applied.shape[1]
         self._rows.append(_rows_of(transition, reward)[running])
         self._worlds.append(np.flatnonzero(running))
 
-    def write(self, episodes: int) -> None:
+    def end(self, episodes: int) -> None:
         """Write what is remembered, which is that many whole episodes, one after the other."""
         worlds = np.concatenate(self._worlds)
         order = np.argsort(worlds, kind="stable")

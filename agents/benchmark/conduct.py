@@ -150,7 +150,7 @@ def run(cell: Cell) -> Result:
     entry, suite, one = cell.entry, cell.suite, cell.scenario
     episodes: dict[str, Any] = {"episodes": suite.episodes, "seed": suite.evaluation}
     meter = Meter(one.config)
-    seen = run_episodes(entry.policy(one), one.config, **episodes, watcher=meter)
+    seen = run_episodes(entry.policy(one), one.config, **episodes, recorder=meter)
     others = {
         name: measures.rates(run_episodes(entry.policy(one), one.within(factor), **episodes))
         for name, factor in (

@@ -22,7 +22,9 @@ class Meter:
         self._sums: dict[str, FloatArray] = {}
         self._done: list[dict[str, FloatArray]] = []
 
-    def add(self, transition: Transition, info: Info, running: BoolArray) -> None:
+    def add(
+        self, transition: Transition, reward: FloatArray, info: Info, running: BoolArray
+    ) -> None:
         """See `coopenv.agents.evaluate.Watcher`."""
         force = np.linalg.norm(transition.applied[..., :2], axis=-1)  # (world, agent) [N]
         steps = {

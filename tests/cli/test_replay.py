@@ -184,7 +184,7 @@ def test_steps_that_cannot_be_recorded_leave_the_old_ones(tmp_path, monkeypatch,
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(record.Recorder, "write", stop)
+    monkeypatch.setattr(record.Recorder, "end", stop)
     evaluate = ["evaluate", "random", "--episodes", "2", "--horizon", "2"]
     assert cli.main([*evaluate, "--record", "steps.csv"]) == 130
     assert (tmp_path / "steps.csv").read_text() == "old"

@@ -77,7 +77,7 @@ def test_efforts_power_and_disagreement_are_means_over_steps_of_each_episode():
     config, rows = BESIDE.config, []
 
     class Watch:
-        def add(self, transition, info, running):
+        def add(self, transition, reward, info, running):
             assert running.all()
             force = np.hypot(transition.applied[..., 0], transition.applied[..., 1])
             power = transition.power.internal
@@ -87,15 +87,15 @@ def test_efforts_power_and_disagreement_are_means_over_steps_of_each_episode():
             assert episodes == 4
 
     policy = find_controller(config)
-    run_episodes(policy, config, episodes=4, watcher=Watch())
+    run_episodes(policy, config, episodes=4, recorder=Watch())
     meter = Meter(config)
-    run_episodes(policy, config, episodes=4, watcher=meter)
+    run_episodes(policy, config, episodes=4, recorder=meter)
     names = ("effort", "partner_effort", "internal_power", "disagreement")
     for name, expected in zip(names, np.mean(rows, axis=0), strict=True):
         np.testing.assert_allclose(meter.means()[name], expected, rtol=1e-12)
     alone = Meter(ALONE.config)
     run_episodes(
-        find_controller(ALONE.config), ALONE.config, episodes=3, watcher=alone, num_worlds=2
+        find_controller(ALONE.config), ALONE.config, episodes=3, recorder=alone, num_worlds=2
     )
     assert alone.means().keys() == {"effort", "internal_power"}
     assert alone.means()["effort"].shape == (3,)
