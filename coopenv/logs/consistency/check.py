@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from coopenv.logs.consistency.known_body.balance import Balance, Balancing
-from coopenv.logs.consistency.known_body.explanations import sentence
+from coopenv.logs.consistency.known_body.explanations import DOUBT, sentence
 from coopenv.logs.consistency.known_body.otherwise import Again
 from coopenv.logs.consistency.laws import LEAST_WINDOWS, Laws
 from coopenv.logs.consistency.mistakes import (
@@ -86,17 +86,18 @@ class Check:
 
     def result(self) -> Consistency:
         """Of all rows so far."""
-        found = self._of_laws()
         if self._balancing is None or self._missing:
-            return found
+            return self._of_laws()
         balance = self._balancing.result()
+        exact = bool(balance.explanations) and balance.explanations[0].left < DOUBT
+        found = self._of_laws(wrenches=not exact)  # which would only guess at the same mistake
         told = "" if balance.unchecked else sentence(balance.left, balance.explanations)
         if told:  # what numbers say comes first
             return replace(found, balance=balance, warnings=(told, *found.warnings))
         return replace(found, balance=balance)
 
-    def _of_laws(self) -> Consistency:
-        """What can be told of a body that is not known."""
+    def _of_laws(self, *, wrenches: bool = True) -> Consistency:
+        """What can be told of a body that is not known; of its wrenches too, or not."""
         if self._missing:
             return Consistency(unchecked=self._missing)
         if not self._laws.enough("power"):
@@ -105,10 +106,12 @@ class Check:
                 unchecked=f"fewer than {least * WINDOW:.1f} seconds, or {least} rows, in sequence"
             )
         fit = _fit(self._laws, self._layout)
-        found = tuple(self._warnings(fit))
-        return Consistency(fit, found or tuple(nothing_explains(self._laws, fit, self._layout)))
+        found = tuple(self._warnings(fit, wrenches=wrenches))
+        if wrenches and not found:
+            found = tuple(nothing_explains(self._laws, fit, self._layout))
+        return Consistency(fit, found)
 
-    def _warnings(self, fit: Fit) -> Iterator[str]:
+    def _warnings(self, fit: Fit, *, wrenches: bool) -> Iterator[str]:
         """The likeliest mistakes; kinematics first, as it tells what else to believe."""
         laws, layout = self._laws, self._layout
         angle, wrong = self._angle()
@@ -122,6 +125,8 @@ class Check:
         yield from self._speed()
         if not twist:
             yield from self._contradictions()
+        if not wrenches:
+            return
         candidates = [laws]
         doubted = not laws.enough("spin") or min(fit[:2]) < 1 - BAD  # theta and omega both wrong
         if doubted and not wrong and self._other_angle is not None:

@@ -163,6 +163,7 @@ def test_what_is_declared_wrong_is_named_first(mistake, dimension, tmp_path):
     said = told(*made(dimension), tmp_path)
     assert f"moves as the wrenches say if {says}" in said.warnings[0]
     assert said.balance.explanations[0].left < 0.002
+    assert len(said.warnings) == 1  # what laws without the mass guess is not told beside it
 
 
 @pytest.mark.parametrize("dimension", [2, 3], ids=["plane", "space"])
