@@ -107,6 +107,8 @@ class Layout(Joining):
             else:
                 object.__setattr__(self, quantity, known_unit(quantity, said))
         require_flag("forces_only", self.forces_only)
+        for number, sensor in self.sensors.items() if self.forces_only else ():
+            sensor.require_forces_alone(f"sensors.{number}")
         for name, theirs in self.columns.items():
             if not isinstance(theirs, str):
                 raise InvalidInput(

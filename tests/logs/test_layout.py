@@ -249,6 +249,35 @@ def test_effectors_without_torque_are_said_to_be_so(tmp_path):
     same(seen, analysed(columns, tmp_path / "b.csv", grips=GRIPS))
 
 
+@pytest.mark.parametrize(
+    ("sensor", "message"),
+    [
+        (
+            {"tare": (1.0, -2.0, 0.5)},
+            "tare must be of forces alone with forces_only, got .*write 0",
+        ),
+        ({"tare": (1.0, -2.0, 3.0, 0.0, 0.1, 0.0)}, "tare must be of forces alone"),
+        ({"cross_talk": ((1, 0, 0), (0, 1, 0), (0.1, 0, 1))}, "cross_talk must not mix forces"),
+        ({"cross_talk": ((1, 0, 0.1), (0, 1, 0), (0, 0, 1))}, "cross_talk must not mix forces"),
+        ({"cross_talk": np.eye(6) + np.eye(6, k=3)}, "cross_talk must not mix forces"),
+    ],
+)
+def test_corrections_by_torques_are_refused_where_there_are_none(sensor, message):
+    assert Layout.load(sensors={"2": sensor})
+    with pytest.raises(InvalidInput, match=rf"sensors\.2\.{message}"):
+        Layout.load(sensors={"2": sensor}, forces_only=True)
+
+
+def test_forces_alone_are_corrected_by_a_tare_and_a_matrix_of_forces(tmp_path):
+    columns = {k: v for k, v in cases.planar().items() if not k.endswith("z")}
+    path = cases.save(columns, tmp_path / "a.npz")
+    sensor = {"tare": (1.0, -2.0, 0.0), "cross_talk": ((2, 0.1, 0), (0, 3, 0), (0, 0, 1))}
+    layout = Layout.load(grips=GRIPS, forces_only=True, sensors={"1": sensor})
+    wrench = read(path, layout).applied[:, 0]
+    x, y = columns["f1x"] - 1.0, columns["f1y"] + 2.0
+    np.testing.assert_allclose(wrench, np.stack([2 * x + 0.1 * y, 3 * y, 0 * x], axis=-1))
+
+
 @pytest.mark.parametrize(("separator", "decimal"), [(";", "."), (";", ","), ("\t", ",")])
 def test_separators_are_found_and_decimal_commas_may_be_said(separator, decimal, tmp_path):
     columns = cases.planar()

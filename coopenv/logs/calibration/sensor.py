@@ -136,6 +136,24 @@ class Sensor:
         beyond = np.linalg.norm(self.axes(angle)[:2, 2])
         return bool(np.degrees(np.arcsin(min(1.0, float(beyond)))) > MOST_TILT)
 
+    def require_forces_alone(self, key: str) -> None:
+        """Raise where it corrects by torques, of which the file has none; ``key`` names it."""
+        tare, cross_talk = self.tare, self.cross_talk
+        if isinstance(tare, tuple) and any(tare[_num_forces(tare) :]):
+            raise InvalidInput(
+                f"{key}.tare must be of forces alone with forces_only, got {list(tare)}; write 0 "
+                "for its torques, or leave out forces_only where the file has them"
+            )
+        if cross_talk is None:
+            return
+        matrix, d = np.array(cross_talk), _num_forces(cross_talk)
+        if matrix[:d, d:].any() or matrix[d:, :d].any():
+            raise InvalidInput(
+                f"{key}.cross_talk must not mix forces with torques with forces_only, got "
+                f"{matrix.tolist()!r:.200}; write 0 there, or leave out forces_only where the "
+                "file has torques"
+            )
+
     def asks_for_six_axes(self, angle: float) -> str:
         """The key for which all six axes are read in the plane too; empty where none asks."""
         for key in ("cross_talk", "tare"):
@@ -143,6 +161,11 @@ class Sensor:
             if isinstance(said, tuple) and len(said) == 6:
                 return key
         return "rotation" if self.is_tilted(angle) else ""
+
+
+def _num_forces(said: tuple) -> int:
+    """How many of three numbers, in the plane, or of six are forces."""
+    return 2 if len(said) == 3 else 3
 
 
 def _checked_rotation(value: Any, key: str) -> Any:
