@@ -1,6 +1,7 @@
 """Checkpoints of a training run: the model as it was between two updates, with its progress."""
 
 import json
+import shlex
 import zipfile
 from collections import deque
 from copy import deepcopy
@@ -114,7 +115,8 @@ class Checkpoint:
         if names:
             raise InvalidInput(
                 f"out must hold no other run, got {self.path}, which differs in "
-                f"{', '.join(names)}; {REMEDY}"
+                f"{', '.join(names)}; {REMEDY}, or go on with that run by --config "
+                f"{shlex.quote(str(self.path.parent / 'config.json'))}"
             )
 
 

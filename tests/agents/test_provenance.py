@@ -125,7 +125,8 @@ def test_a_checkpoint_of_another_reward_is_refused_by_the_weight_that_differs(tm
         train(tiny(tmp_path), environment=SHORT, report=stopped)
     with pytest.raises(
         InvalidInput,
-        match=r"checkpoint\.zip, which differs in environment\.reward\.progress\.weight; choose",
+        match=r"checkpoint\.zip, which differs in environment\.reward\.progress\.weight; choose"
+        r".* --config .*config\.json",
     ):
         train(tiny(tmp_path), environment=with_weight("progress", 4.0))
     train(tiny(tmp_path), environment=SHORT)
