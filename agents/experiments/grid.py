@@ -138,13 +138,7 @@ class Experiment:
         }
         self._check_excluded(axes)
         settings = [each for each in product(*axes.values()) if not self._is_excluded(each)]
-        if len(settings) * len(self.seeds) > MOST_CELLS:
-            raise InvalidInput(
-                f"grid must have at most {MOST_CELLS:,} cells, got "
-                f"{len(settings) * len(self.seeds):,}; drop levels or seeds"
-            )
-        if not settings:
-            raise InvalidInput("grid must have a cell, got all of them excluded; drop an exclude")
+        self._require_some(len(settings))
         return [cell for setting in settings for cell in self._cells_of(setting, common, options)]
 
     def over(self, algorithm: str | None, settings: Mapping[str, Any]) -> "Experiment":
@@ -243,6 +237,21 @@ class Experiment:
         return any(
             all(labels.get(axis) == label for axis, label in each.items()) for each in self.exclude
         )
+
+    def _require_some(self, settings: int) -> None:
+        """Raise `InvalidInput` if there are too many cells, or none."""
+        cells = settings * len(self.seeds)
+        with self.source.at(("grid",)):
+            if cells > MOST_CELLS:
+                raise InvalidInput(
+                    f"grid must have at most {MOST_CELLS:,} cells, got {cells:,}; drop levels or "
+                    "seeds"
+                )
+        with self.source.at(("exclude",)):
+            if not cells:
+                raise InvalidInput(
+                    "grid must have a cell, got all of them excluded; drop an exclude"
+                )
 
     def _check_excluded(self, axes: Mapping[str, Sequence[Level]]) -> None:
         for number, each in enumerate(self.exclude):

@@ -154,6 +154,14 @@ def test_a_mistake_is_told_with_its_line(right, wrong, said, file):
     assert "\n" not in str(caught.value)
 
 
+def test_a_grid_without_a_cell_names_the_line_of_what_excludes_them(file):
+    text = f"{TEXT}\n[[exclude]]\nalgorithm = 'scripted'\n\n[[exclude]]\nalgorithm = 'random'\n"
+    file.write_text(text)
+    line = text[: text.index("[[exclude]]")].count("\n") + 1
+    with pytest.raises(InvalidInput, match=rf"all of them excluded.*\.toml, line {line}\)"):
+        load(file)[0].cells()
+
+
 SEARCHES = [  # under [search]; the line that is wrong comes last
     ("seeds = 0", "at least 1"),
     ('objective = "succes_rate"', "did you mean 'success_rate'"),
