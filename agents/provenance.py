@@ -24,7 +24,8 @@ from coopenv.errors import CoopenvError, InvalidInput
 from coopenv.files import reading
 
 from .differences import differences
-from .settings import EnvironmentChoice, TrainConfig
+from .environment import EnvironmentChoice
+from .settings import TrainConfig
 
 KEY, FORMAT = "provenance", 1  # in the notes; raised when one of before would mean something else
 PACKAGES = ("coopenv", "numpy", "torch", "stable-baselines3", "pymunk")

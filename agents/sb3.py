@@ -4,8 +4,8 @@ from typing import Any
 
 from coopenv.config import TransportConfig
 
+from .environment import find_config
 from .learned import FallingRate, SB3Policy, Scaled, save_model
-from .settings import find_config
 from .training.hyperparameters import feature_scale, recommended
 from .vec_env import TransportVecEnv
 

@@ -10,11 +10,12 @@ from coopenv.files import locked, sweep, writing
 
 from . import curves
 from .curves import Row
+from .environment import EnvironmentChoice
 from .learned.finite import has_diverged, require_finite
 from .provenance import Provenance
 from .sb3 import SB3Policy, TransportVecEnv
 from .seeds import BLOCK, training_seeds
-from .settings import EnvironmentChoice, TrainConfig
+from .settings import TrainConfig
 from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
 from .training.events import told_once
 from .training.folder import LOG, SETTINGS, clear, require_room

@@ -10,7 +10,7 @@ from typing import Any
 
 from coopenv.config import TransportConfig
 
-from ..settings import find_config
+from ..environment import find_config
 
 EVALUATION = 18  # number of the evaluation: the same starts and goals for whatever is entered
 EPISODES = 200  # of each scenario, held out

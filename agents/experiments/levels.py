@@ -8,8 +8,8 @@ from typing import Any, get_args, get_type_hints
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.physics.body import Body
 
-from ..overrides import GROUPS
-from ..settings import EnvironmentChoice, TrainConfig
+from ..environment import GROUPS, EnvironmentChoice
+from ..settings import TrainConfig
 from .lines import Place, Source
 
 LEARNER = "ppo"

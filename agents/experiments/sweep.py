@@ -7,8 +7,8 @@ from typing import Any
 from coopenv.arrays import number, whole
 from coopenv.errors import InvalidInput, UnknownName
 
-from ..overrides import GROUPS, values_of
-from ..settings import EnvironmentChoice, TrainConfig
+from ..environment import GROUPS, EnvironmentChoice, values_of
+from ..settings import TrainConfig
 from .grid import MOST_SEED, Experiment
 from .levels import TRAINING
 from .terms import SMALL, kind_named

@@ -8,8 +8,8 @@ from typing import Literal, get_args, get_type_hints
 from coopenv.arrays import number, positive, whole
 from coopenv.errors import InvalidInput, UnknownName
 
+from ..environment import EnvironmentChoice
 from ..seeds import evaluation_seeds, training_seeds
-from ..settings import EnvironmentChoice
 
 COUNTS = ("steps", "worlds", "batch_size", "minibatch_size", "epochs", "episodes")
 

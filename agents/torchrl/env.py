@@ -16,8 +16,8 @@ from coopenv.rewards.sums import check_learnable
 from coopenv.snapshot import Snapshot, chosen_worlds
 from coopenv.transport import Transport
 
+from ..environment import find_config
 from ..features import scale_of_features
-from ..settings import find_config
 
 try:
     import torch

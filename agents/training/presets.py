@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..settings import EnvironmentChoice, TrainConfig
+from ..environment import EnvironmentChoice
+from ..settings import TrainConfig
 
 _THOROUGH = {"num_worlds": 64, "rollout": 128, "epochs": 10}  # twice the gradient steps
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from coopenv.agents.differences import described
-from coopenv.agents.settings import EnvironmentChoice, find_config
+from coopenv.agents.environment import EnvironmentChoice, find_config
 from coopenv.arrays import positive, whole
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.options import Common

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from coopenv.agents.environment import EnvironmentChoice, find_config
 from coopenv.agents.pretrained.naming import file_of, is_name
-from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
+from coopenv.agents.settings import TrainConfig
 from coopenv.config import TransportConfig
 from coopenv.config.own_code import Trust, is_trusted
 from coopenv.envs.registry import require_trusted

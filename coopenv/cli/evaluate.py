@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from typing_extensions import Self
 
+from coopenv.agents.environment import EnvironmentChoice
 from coopenv.agents.pretrained.naming import expanded
 from coopenv.agents.pretrained.rows import told
 from coopenv.agents.seeds import evaluation_seeds
-from coopenv.agents.settings import EnvironmentChoice
 from coopenv.arrays import whole
 from coopenv.cli.environments import RECORDED, Environment, environments_of
 from coopenv.cli.options import runfile

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from coopenv.agents.environment import EnvironmentChoice
 from coopenv.agents.pretrained.naming import is_name
 from coopenv.agents.seeds import evaluation_seeds
-from coopenv.agents.settings import EnvironmentChoice
 from coopenv.agents.trained.form import is_plain
 from coopenv.arrays import positive, whole
 from coopenv.cli import trial

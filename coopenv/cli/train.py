@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from typing_extensions import Self
 
+from coopenv.agents.environment import EnvironmentChoice
 from coopenv.agents.seeds import evaluation_seeds
-from coopenv.agents.settings import EnvironmentChoice, TrainConfig
+from coopenv.agents.settings import TrainConfig
 from coopenv.agents.training.presets import observing, preset
 from coopenv.arrays import whole
 from coopenv.cli.environments import Environment

@@ -16,10 +16,11 @@ from stable_baselines3 import PPO
 from coopenv import TransportConfig
 from coopenv.agents import curves
 from coopenv.agents.curves import PANELS
+from coopenv.agents.environment import find_config
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.partners import Stubborn
 from coopenv.agents.seeds import HELD_OUT, training_seeds
-from coopenv.agents.settings import EnvironmentChoice, TrainConfig, find_config
+from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.train import train
 from coopenv.errors import InvalidInput, UnknownName
 from tests.agents.training.cases import SHORT, tiny

@@ -18,9 +18,10 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from coopenv import Body, TransportConfig, cli
+from coopenv.agents.environment import find_config
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.sb3 import SB3Policy, make_vec_env
-from coopenv.agents.settings import TrainConfig, find_config
+from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
 from coopenv.cli import environments
 from coopenv.rewards import RewardSum, TimeCost

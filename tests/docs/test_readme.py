@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from coopenv.agents import settings
+from coopenv.agents.environment import choice
 from coopenv.agents.partners import PARTNERS
 from coopenv.envs.registry import find_config
 from tests.docs.snippets import chains, running
@@ -40,7 +40,7 @@ def test_every_environment_is_in_the_table_and_on_the_page_of_tasks():
 def test_every_partner_is_named():
     (kinds,) = re.findall(r"^Kinds: (.*)\.$", README.read_text(), flags=re.MULTILINE)
     assert set(kinds.split(", ")) == set(PARTNERS)
-    assert all(re.search(rf"\b{name}\b", inspect.getsource(settings)) for name in PARTNERS)
+    assert all(re.search(rf"\b{name}\b", inspect.getsource(choice)) for name in PARTNERS)
 
 
 def test_the_keywords_and_blocks_of_the_table_are_the_ones_that_exist():

@@ -6,8 +6,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from coopenv.agents.overrides import GROUPS, entries_of
-from coopenv.agents.settings import UNSAVED, EnvironmentChoice, TrainConfig
+from coopenv.agents.environment import GROUPS, EnvironmentChoice, entries_of
+from coopenv.agents.settings import UNSAVED, TrainConfig
 from coopenv.config.own_code import Trust
 from coopenv.envs.registry import require_trusted
 from coopenv.errors import InvalidInput, UnknownName

@@ -7,7 +7,7 @@ from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
-from coopenv.agents.settings import EnvironmentChoice
+from coopenv.agents.environment import EnvironmentChoice
 from coopenv.cli.options.content import (
     checked,
     content_of,

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from coopenv.agents.differences import differences
+from coopenv.agents.environment import EnvironmentChoice
 from coopenv.agents.provenance import Provenance, versions
-from coopenv.agents.settings import NOTED, UNSAVED, EnvironmentChoice, TrainConfig
+from coopenv.agents.settings import NOTED, UNSAVED, TrainConfig
 from coopenv.agents.training.presets import preset
 from coopenv.cli.options.content import (
     PLACES,

@@ -13,8 +13,8 @@ import pytest
 
 from coopenv import Body, Transport, TransportConfig
 from coopenv.agents import load
+from coopenv.agents.environment import find_config
 from coopenv.agents.evaluate import run_episodes
-from coopenv.agents.settings import find_config
 from coopenv.agents.trained import PlainPolicy, read_notes
 from coopenv.agents.trained.network import SMALL, Layer
 from coopenv.agents.trained.normalization import Normalization
