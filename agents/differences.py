@@ -5,8 +5,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
 from coopenv.rewards import COSTS, PRESETS, find_reward
 
+from .overrides import with_team
 from .partners import PARTNERS, LearnedPartner
 
 Change = tuple[str, Any, Any]
@@ -43,6 +45,15 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
     """What a configuration has other than ``default``, a few words for each part."""
     now, then = (json.loads(one.to_json()) for one in (config, default))
     words = []
+    plate = _as_plate(default, config.num_agents)
+    if plate is not None and config.body != default.body:  # then what else the body has is said
+        held = json.loads(plate.to_json())
+        same = ("outline", "grips")
+        if isinstance(now["body"], dict) and all(
+            now["body"].get(name) == held["body"].get(name) for name in same
+        ):
+            words.append(f"team {config.num_agents}")
+            then = {**then, "body": held["body"]}
     for field in now:
         if now[field] == then[field]:
             continue
@@ -55,6 +66,14 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
             found = changes(then[field], now[field], field)
             words += [f"{part} {_short(value)}" for part, _, value in found]
     return words
+
+
+def _as_plate(default: TransportConfig, num_agents: int) -> TransportConfig | None:
+    """The default in the hands of another team; ``None`` where its body is none for any."""
+    try:
+        return with_team(default, num_agents)
+    except InvalidInput:
+        return None
 
 
 def _by_name(value: Any) -> Any:

@@ -52,6 +52,32 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
     return replace(config, **values) if values else config
 
 
+def with_team(config: TransportConfig, num_agents: int) -> TransportConfig:
+    """``config`` with ``num_agents`` who carry a plate; all else stays.
+
+    The default beam becomes a plate of `coopenv.Body.plate`; a body of another outline keeps it. It
+    is held evenly round its rim. Mass, drag and friction stay, and so does an inertia other than
+    that of the outline.
+
+    Raises
+    ------
+    InvalidInput
+        If the body rolls on wheels or every world has its own, the number is not one from 1 to
+        1000, or something in ``config`` is said for each of the agents that there were.
+    """
+    body = config.body
+    if not isinstance(body, Body) or body.nonholonomic:
+        got = "one on wheels" if isinstance(body, Body) else "several"
+        raise InvalidInput(
+            f"team must be of a body that any number of agents can carry, got {got}; leave team "
+            "out, or give a Body that does not roll"
+        )
+    outline = body.outline if body.outline != Body().outline else Body.plate(1).outline
+    follows = replace(body, inertia=None) == body  # that of the outline
+    held = replace(body, outline=outline, inertia=None if follows else body.inertia)
+    return replace(config, body=held.held_by(num_agents))
+
+
 def entries_of(group: Any, name: str) -> tuple[str, ...]:
     """A table of a file as entries ``NAME=VALUE``; entries as they are."""
     if isinstance(group, Mapping):
