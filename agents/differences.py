@@ -6,6 +6,7 @@ from typing import Any
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
+from coopenv.physics.body import Body
 from coopenv.rewards import COSTS, PRESETS, find_reward
 
 from .overrides import with_team
@@ -45,15 +46,10 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
     """What a configuration has other than ``default``, a few words for each part."""
     now, then = (json.loads(one.to_json()) for one in (config, default))
     words = []
-    plate = _as_plate(default, config.num_agents)
-    if plate is not None and config.body != default.body:  # then what else the body has is said
-        held = json.loads(plate.to_json())
-        same = ("outline", "grips")
-        if isinstance(now["body"], dict) and all(
-            now["body"].get(name) == held["body"].get(name) for name in same
-        ):
-            words.append(f"team {config.num_agents}")
-            then = {**then, "body": held["body"]}
+    held = _held(config, default)
+    if held is not None and now["body"] != then["body"]:
+        words.append(f"team {config.num_agents}")
+        then["body"] = held
     for field in now:
         if now[field] == then[field]:
             continue
@@ -68,12 +64,17 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
     return words
 
 
-def _as_plate(default: TransportConfig, num_agents: int) -> TransportConfig | None:
-    """The default in the hands of another team; ``None`` where its body is none for any."""
+def _held(config: TransportConfig, default: TransportConfig) -> Any:
+    """The default's body as the team of ``config`` holds it, if it is held so; else ``None``."""
     try:
-        return with_team(default, num_agents)
+        made = with_team(default, config.num_agents)
     except InvalidInput:
         return None
+    bodies = (config.body, made.body)
+    alike = all(isinstance(body, Body) for body in bodies) and all(
+        getattr(bodies[0], name) == getattr(bodies[1], name) for name in ("outline", "grips")
+    )
+    return json.loads(made.to_json())["body"] if alike else None
 
 
 def _by_name(value: Any) -> Any:

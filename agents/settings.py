@@ -18,7 +18,7 @@ from coopenv.observation.observation import find_block
 from coopenv.rewards import COSTS
 
 from . import partners
-from .overrides import GROUPS, changed, entries_of, values_of, with_team
+from .overrides import GROUPS, changed, entries_of, values_of
 from .seeds import BLOCK, training_seeds
 from .training.teams import read_teams
 
@@ -138,8 +138,8 @@ class EnvironmentChoice:
         }
 
     def _changed(self, config: TransportConfig) -> TransportConfig:
-        config = config if self.team is None else with_team(config, self.team)
-        made = changed(config, {name: getattr(self, name) for name in GROUPS})
+        groups = {name: getattr(self, name) for name in GROUPS}
+        made = changed(config, groups, team=self.team)
         there = {find_block(entry).name for entry in made.observe}
         more = tuple(name for name in self.also_observe or () if name not in there)
         return replace(made, observe=(*made.observe, *more)) if more else made

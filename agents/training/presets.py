@@ -54,7 +54,7 @@ def observing(config: TrainConfig) -> TrainConfig:
     said = chosen.observe is not None or chosen.sensing is not None
     also = () if said else ALSO_OBSERVED.get(_id(chosen.env), ())
     if config.teams and not said:
-        observe = seen_in_any_team((*chosen.config().observe, *also))
+        observe = seen_in_any_team(chosen.config(), also)
         return replace(config, environment=replace(chosen, observe=observe, also_observe=()))
     return replace(config, environment=replace(chosen, also_observe=also))
 

@@ -56,8 +56,9 @@ class Target:
 
     def _tested(self, model: BaseAlgorithm, episodes: int) -> tuple[float, tuple[float, float]]:
         """Success and its interval where they are lowest."""
-        policy, chosen = SB3Policy(model), {"episodes": episodes, "num_worlds": episodes}
-        return min(
-            success_of(run_episodes(policy, config, seed=STOPPING, **chosen))
+        policy = SB3Policy(model)
+        seen = [
+            run_episodes(policy, config, episodes=episodes, seed=STOPPING, num_worlds=episodes)
             for config in self._configs
-        )
+        ]
+        return min(map(success_of, seen))

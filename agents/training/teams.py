@@ -77,12 +77,17 @@ def worlds_of(num_worlds: int, teams: Sequence[int]) -> list[int]:
     return [each + (number < rest) for number in range(len(teams))]
 
 
-def seen_in_any_team(observe: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Blocks whose size does not grow with the team, and `OF_ANY_TEAM`."""
-    growing = _growing(observe)
-    kept = tuple(entry for entry in observe if _name(entry) not in growing)
-    names = {*map(_name, kept)}
-    return (*kept, *(name for name in OF_ANY_TEAM if name not in names))
+def seen_in_any_team(config: TransportConfig, also: Sequence[str] = ()) -> tuple[str, ...] | None:
+    """Names of its blocks whose size does not grow with the team, of ``also`` and `OF_ANY_TEAM`.
+
+    ``None`` where it has blocks that no name stands for: sensors, or blocks of the user's own.
+    """
+    own = {block.name: block for block in config.task.blocks}
+    if not all(isinstance(entry, str) or entry in own.values() for entry in config.observe):
+        return None
+    growing = _growing(config.observe)
+    kept = [name for name in map(_name, config.observe) if name not in growing]
+    return tuple(dict.fromkeys((*kept, *also, *OF_ANY_TEAM)))
 
 
 def _growing(observe: Sequence[Entry]) -> set[str]:
