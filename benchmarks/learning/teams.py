@@ -2,7 +2,7 @@
 
 PPO with one policy that every agent runs by itself, on plates, as ``coopenv train --control shared
 --teams SIZES --steps 300000 --seed N`` trains it, and what it does in teams of 2 to 6. Beside teams
-of several sizes, one size alone, and that without the blocks about the team. Runs that
+of several sizes, one size alone, and sizes without the blocks about the team. Runs that
 docs/training/teams holds are not run again, unless the settings are others now. Several processes
 may run at a time if no training with a seed is of two. ``--write`` puts the tables into
 docs/training/teams.md.
@@ -34,7 +34,12 @@ from coopenv.files import written
 FOLDER, PAGE = DOCS / "training" / "teams", DOCS / "training" / "teams.md"
 EPISODES, STEPS = 500, 300_000  # held-out ones of each policy and size; of a training
 SIZES = (2, 3, 4, 5, 6)  # of the teams that are tested
-TRAININGS: Mapping[str, tuple[int, ...]] = {"2_4": (2, 4), "3": (3,), "3_plain": (3,)}
+TRAININGS: Mapping[str, tuple[int, ...]] = {
+    "2_6": (2, 6),
+    "2_4": (2, 4),
+    "3": (3,),
+    "2_6_plain": (2, 6),
+}
 PLAIN = "_plain"  # at the end of a name: without the blocks about the team
 APART = ("environment", "seed", "threads", "checkpoint_every", "out")
 NONE = "None of these runs is finished yet."  # in the place of a table without rows

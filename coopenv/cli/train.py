@@ -50,7 +50,7 @@ class Train:
         "coopenv train --steps 300000 --out runs/first",
         "coopenv train --env coopenv/BeamDoorway-v0 --reward harmony --partner population",
         "coopenv train --config runs/first/config.json --seed 1 --out runs/second",
-        "coopenv train --control shared --teams 2 4 --out runs/any_team",
+        "coopenv train --control shared --teams 2 6 --out runs/any_team",
     )
 
     @classmethod

@@ -34,7 +34,7 @@ def test_every_saved_run_is_one_of_those_that_are_planned_today(tmp_path):
 
 
 def test_a_plain_training_differs_in_the_blocks_about_the_team_alone(tmp_path):
-    whole, plain = (teams.configured(name, 0, tmp_path) for name in ("3", "3_plain"))
+    whole, plain = (teams.configured(name, 0, tmp_path) for name in ("2_6", "2_6_plain"))
     seen, less = (each.environment.config().observe for each in (whole, plain))
     assert set(seen) - set(less) == {"others_wrench", "place"}
     assert teams.settings_of(whole) == teams.settings_of(plain)
