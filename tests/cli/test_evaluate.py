@@ -79,7 +79,7 @@ def test_options_change_only_what_they_name(files, tmp_path, capsys):
 
 
 def test_a_policy_of_any_team_is_evaluated_in_one_that_the_options_name(tmp_path, capsys):
-    run = {"steps": 16, "num_worlds": 2, "rollout": 4, "batch_size": 8, "epochs": 1}
+    run: dict[str, Any] = {"steps": 16, "num_worlds": 2, "rollout": 4, "batch_size": 8, "epochs": 1}
     config = TrainConfig(control="shared", teams=(2, 3), hidden=(4,), out=tmp_path / "run", **run)
     train(config, environment=TransportConfig(horizon=5, observe=("goal", "place")))
     given = ("evaluate", tmp_path / "run/policy.zip", "--team", "4")
