@@ -182,7 +182,17 @@ def summary(runs: Sequence[Run]) -> str:
         for size in SIZES
         if any(run.training == name for run in runs)
     ]
-    columns = ("trained on", "team of", "", "success", "worst seed", "sampled", "time [s]", "γ")
+    columns = (
+        "trained on",
+        "seeds",
+        "team of",
+        "",
+        "success",
+        "worst seed",
+        "sampled",
+        "time [s]",
+        "γ",
+    )
     return markdown((*columns, "skew"), made) if made else NONE
 
 
@@ -192,6 +202,7 @@ def cells(training: str, size: int, runs: Sequence[Run]) -> tuple[str, ...]:
     mean = {name: float(np.mean([each[name] for each in found])) for name in found[0]}
     return (
         named(training),
+        f"{len(runs)}",
         f"{size}",
         "seen" if size in TRAININGS[training] else "never seen",
         f"{mean['success']:.1%}",

@@ -43,7 +43,7 @@ def test_a_plain_training_differs_in_the_blocks_about_the_team_alone(tmp_path):
 def test_the_table_has_means_over_seeds_and_the_worst_of_them():
     runs = [a_run("2_4", 0), a_run("2_4", 1, success=1.0)]
     row = teams.summary(runs).splitlines()[3]
-    assert row.startswith("| 2 and 4 | 3 | never seen | 95.0% | 90.0% | 80.0% | 2.00 | 0.100 |")
+    assert row.startswith("| 2 and 4 | 2 | 3 | never seen | 95.0% | 90.0% | 80.0% | 2.00 | 0.100 |")
     assert teams.summary([]) == teams.single([]) == teams.NONE
 
 
