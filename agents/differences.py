@@ -5,8 +5,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from coopenv.config import TransportConfig
+from coopenv.errors import InvalidInput
+from coopenv.physics.body import Body
 from coopenv.rewards import COSTS, PRESETS, find_reward
 
+from .environment.overrides import with_team
 from .partners import PARTNERS, LearnedPartner
 
 Change = tuple[str, Any, Any]
@@ -43,6 +46,10 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
     """What a configuration has other than ``default``, a few words for each part."""
     now, then = (json.loads(one.to_json()) for one in (config, default))
     words = []
+    held = _held(config, default)
+    if held is not None and now["body"] != then["body"]:
+        words.append(f"team {config.num_agents}")
+        then["body"] = held
     for field in now:
         if now[field] == then[field]:
             continue
@@ -55,6 +62,19 @@ def described(config: TransportConfig, default: TransportConfig) -> list[str]:
             found = changes(then[field], now[field], field)
             words += [f"{part} {_short(value)}" for part, _, value in found]
     return words
+
+
+def _held(config: TransportConfig, default: TransportConfig) -> Any:
+    """The default's body as the team of ``config`` holds it, if it is held so; else ``None``."""
+    try:
+        made = with_team(default, config.num_agents)
+    except InvalidInput:
+        return None
+    bodies = (config.body, made.body)
+    alike = all(isinstance(body, Body) for body in bodies) and all(
+        getattr(bodies[0], name) == getattr(bodies[1], name) for name in ("outline", "grips")
+    )
+    return json.loads(made.to_json())["body"] if alike else None
 
 
 def _by_name(value: Any) -> Any:

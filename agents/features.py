@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from coopenv.observation.blocks import OF_BODY
+from coopenv.observation.team import TEAM
 from coopenv.observation.view import VIEW, WRENCH_UNIT
 from coopenv.transport import Transport
 
@@ -20,7 +21,7 @@ def scale_of_features(transport: Transport) -> list[float]:
     wrench = [1 / force, 1 / force, 1 / torque]
     known: dict[str, Iterable[float]] = {
         block.name: block.spread(wrench, core.num_agents, "scale")
-        for block in VIEW
+        for block in (*VIEW, *TEAM)
         if block.unit == WRENCH_UNIT
     }
     usual = core.conditions.parameters()

@@ -8,7 +8,7 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -57,8 +57,10 @@ class Provenance:
         return cls._now(_written(environment), training.to_dict())
 
     @classmethod
-    def of_environment(cls, environment: TransportConfig, control: str) -> Self:
-        """That of a policy that a program of the user's own trains.
+    def of_environment(
+        cls, environment: TransportConfig, control: str, teams: Sequence[int] = ()
+    ) -> Self:
+        """That of a policy that a program of the user's own trains, perhaps in ``teams`` of sizes.
 
         Raises
         ------
@@ -66,7 +68,8 @@ class Provenance:
             If something in the environment cannot be written; the message says what to do.
         """
         values = _written(environment)
-        return cls._now(values, {"control": control, "environment": {"env": _nearest(values)}})
+        training = {"control": control, "environment": {"env": _nearest(values)}}
+        return cls._now(values, {**training, **({"teams": list(teams)} if teams else {})})
 
     @classmethod
     def _now(cls, environment: dict[str, Any], training: dict[str, Any]) -> Self:

@@ -7,12 +7,14 @@ from coopenv.config import TransportConfig
 from .environment import find_config
 from .learned import FallingRate, SB3Policy, Scaled, save_model
 from .training.hyperparameters import feature_scale, recommended
+from .training.teams_vec_env import TeamsVecEnv
 from .vec_env import TransportVecEnv
 
 __all__ = [
     "FallingRate",
     "SB3Policy",
     "Scaled",
+    "TeamsVecEnv",
     "TransportVecEnv",
     "feature_scale",
     "make_vec_env",

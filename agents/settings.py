@@ -16,7 +16,9 @@ from coopenv.files import reading, written
 
 from . import partners
 from .environment import EnvironmentChoice
+from .environment.overrides import values_of
 from .seeds import BLOCK, training_seeds
+from .training.teams import read_teams
 
 MOST = {  # beyond, numbers overflow, worlds share seeds, or no training comes to its end
     "steps": 10**12,
@@ -44,6 +46,9 @@ class TrainConfig:
     """One policy for the whole team, the same policy for every agent, or a policy for the one agent
     that is left beside a partner (environment.partner; if none is named, impedance, and in a walker
     walking)."""
+    teams: tuple[int, ...] = ()
+    """Sizes of teams that train side by side, each as environment.team has it: 2 4. One policy for
+    all of them, with control shared; the worlds are shared out evenly."""
     seed: int = 0
     """Number of the run; no two runs share an episode (coopenv.agents.seeds)."""
     steps: int = 900_000
@@ -103,14 +108,37 @@ class TrainConfig:
             _set(self, "environment", EnvironmentChoice(**_tuples(self.environment)))
             _set(self, "hidden", tuple(self.hidden))
             _set(self, "out", Path(self.out))
+        self._set_teams()
         if self.control == "partner" and self.environment.partner is None:
             name = partners.default_partner(self.environment.config())
             partnered = replace(self.environment, partner=name)
             object.__setattr__(self, "environment", partnered)
 
+    def _set_teams(self) -> None:
+        """Read ``teams``; the environment is that of the first."""
+        teams = read_teams(self.teams, control=self.control, num_worlds=self.num_worlds)
+        object.__setattr__(self, "teams", teams)
+        if not teams:
+            return
+        if self.environment.team not in (None, teams[0]):
+            raise InvalidInput(
+                f"team must be left out beside teams, got {self.environment.team!r} and {teams}; "
+                "teams says all sizes"
+            )
+        if "grips" in values_of(self.environment.body, "body"):
+            raise InvalidInput(
+                "body must leave grips to teams, got grips of one size; every team holds the body "
+                "evenly round its rim"
+            )
+        object.__setattr__(self, "environment", replace(self.environment, team=teams[0]))
+
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, strings and lists; without ``fresh``, which is said for one call."""
-        values = {name: value for name, value in asdict(self).items() if name not in UNSAVED}
+        """Plain numbers, strings and lists; without ``fresh``, which is said for one call.
+
+        ``teams`` are said where there are some, so that a run of before reads as it did.
+        """
+        left_out = UNSAVED if self.teams else (*UNSAVED, "teams")
+        values = {name: value for name, value in asdict(self).items() if name not in left_out}
         return json.loads(json.dumps(values, default=str))
 
     def identity(self) -> dict[str, Any]:

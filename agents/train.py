@@ -2,7 +2,9 @@
 
 import warnings
 from collections.abc import Callable
+from fractions import Fraction
 from math import ceil
+from typing import TypeAlias
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
@@ -13,7 +15,7 @@ from .curves import Row
 from .environment import EnvironmentChoice
 from .learned.finite import has_diverged, require_finite
 from .provenance import Provenance
-from .sb3 import SB3Policy, TransportVecEnv
+from .sb3 import SB3Policy, TeamsVecEnv, TransportVecEnv
 from .seeds import BLOCK, training_seeds
 from .settings import TrainConfig
 from .training.checkpoint import CHECKPOINT, POLICY, Checkpoint, Keeper, save
@@ -22,6 +24,7 @@ from .training.folder import LOG, SETTINGS, clear, require_room
 from .training.hyperparameters import feature_scale, ppo_settings
 from .training.progress import Progress, Watch
 from .training.target import Reached, Target
+from .training.teams import team_configs
 from .training.threads import torch_threads
 
 try:
@@ -30,6 +33,7 @@ try:
 except ImportError as error:
     raise MissingExtra("coopenv.agents.train", "train") from error
 
+Venv: TypeAlias = TransportVecEnv | TeamsVecEnv
 UPDATES = "_n_updates"  # attribute of a model, for its log: gradient epochs that were done
 __all__ = ["EnvironmentChoice", "TrainConfig", "ppo_settings", "train"]
 
@@ -64,7 +68,8 @@ def train(
     config
         Of the run.
     environment
-        Instead of the one that ``config.environment`` names.
+        Instead of the one that ``config.environment`` names; with ``config.teams`` its body is held
+        by each of them in turn (`coopenv.agents.environment.with_team`).
     report
         Called with the newest row of the curves after every rollout.
     tell
@@ -94,7 +99,7 @@ def _train(
     report: Callable[[Row], None] | None,
     tell: Callable[[str], None],
 ) -> SB3Policy:
-    venv = TransportVecEnv(environment, config.num_worlds, control=config.control)
+    venv = _venv(config, environment)
     provenance = Provenance.of(config, venv.transport.config)
     require_room(config.out, fresh=config.fresh)
     found = None if config.fresh else _furthest(config, provenance)
@@ -128,10 +133,11 @@ def _learn(
 ) -> None:
     """Train up to ``config.steps`` or ``config.until`` and save, if interrupted a checkpoint."""
     venv = model.get_env()
-    assert isinstance(venv, TransportVecEnv)
-    per_step = venv.num_envs // config.num_worlds  # rows of the VecEnv a control step of a world
+    assert isinstance(venv, TransportVecEnv | TeamsVecEnv)
+    per_step = _per_step(config, venv)
     keeper = Keeper(config.out, provenance, progress, every=config.checkpoint_every)
-    target = None if config.until is None else Target(config.until, venv.transport.config)
+    configs = team_configs(venv.transport.config, config.teams)
+    target = None if config.until is None else Target(config.until, *configs)
 
     def begin(model: BaseAlgorithm) -> None:
         keeper.begin_rollout(model)
@@ -147,7 +153,7 @@ def _learn(
         report=report if report is not None else lambda row: None,
     )
     try:
-        reached = _run(model, watch, config.steps * per_step, target)
+        reached = _run(model, watch, int(config.steps * per_step), target)
         require_finite(model, "of the policy")
         save(config.out / POLICY, model, provenance, progress)
         if config.until is not None:
@@ -253,17 +259,29 @@ def _diverged(done: int, config: TrainConfig) -> InvalidInput:
     )
 
 
-def _begin(config: TrainConfig, venv: TransportVecEnv) -> PPO:
+def _venv(config: TrainConfig, environment: TransportConfig) -> Venv:
+    """The worlds of the run: of one team, or of several sizes."""
+    if config.teams:
+        return TeamsVecEnv(environment, config.num_worlds, config.teams)
+    return TransportVecEnv(environment, config.num_worlds, control=config.control)
+
+
+def _per_step(config: TrainConfig, venv: Venv) -> Fraction:
+    """Rows of the ``VecEnv`` a control step of a world, in the mean over worlds."""
+    return Fraction(venv.num_envs, config.num_worlds)
+
+
+def _begin(config: TrainConfig, venv: Venv) -> PPO:
     settings = ppo_settings(config, rows=venv.num_envs, scale=feature_scale(venv))
     model = PPO("MlpPolicy", venv, tensorboard_log=str(config.out / "tensorboard"), **settings)
     _seed_worlds(config, venv, steps=0)  # after PPO, which seeds them as well
     return model
 
 
-def _resume(found: Checkpoint, config: TrainConfig, venv: TransportVecEnv) -> PPO:
+def _resume(found: Checkpoint, config: TrainConfig, venv: Venv) -> PPO:
     """The model as it was at the checkpoint, with random numbers of its own."""
     model = _begin(config, venv)
-    found.restore(model, rows=venv.num_envs // config.num_worlds)
+    found.restore(model, rows=_per_step(config, venv))
     updates = ceil(found.progress.steps / (config.rollout * config.num_worlds))
     setattr(model, UPDATES, updates * config.epochs)
     model.set_random_seed(config.seed + model.num_timesteps)
@@ -271,7 +289,7 @@ def _resume(found: Checkpoint, config: TrainConfig, venv: TransportVecEnv) -> PP
     return model
 
 
-def _seed_worlds(config: TrainConfig, venv: TransportVecEnv, *, steps: int) -> None:
+def _seed_worlds(config: TrainConfig, venv: Venv, *, steps: int) -> None:
     """World seeds of this run's block; a resumed run takes others than it began with."""
     first = training_seeds(config.seed, config.num_worlds)[0]
     venv.seed(first + steps % (BLOCK - config.num_worlds))

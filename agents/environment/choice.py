@@ -53,6 +53,8 @@ class EnvironmentChoice:
     compliant, guiding (coopenv.agents.partners), or the file of a trained policy:
     path/policy.zip, or pretrained:BeamTransport/joint and the like."""
 
+    team: int | None = None
+    """How many agents hold the body, evenly round its rim; the default beam becomes a plate."""
     body: tuple[str, ...] = ()
     """Numbers of the body: mass=4 linear_drag=2 "grips=[[-0.9, 0], [0.9, 0]]"."""
     scene: tuple[str, ...] = ()
@@ -104,11 +106,12 @@ class EnvironmentChoice:
         return {
             name: value
             for name, value in asdict(self).items()
-            if name not in ("env", "also_observe", *GROUPS) and value is not None
+            if name not in ("env", "also_observe", "team", *GROUPS) and value is not None
         }
 
     def _changed(self, config: TransportConfig) -> TransportConfig:
-        made = changed(config, {name: getattr(self, name) for name in GROUPS})
+        groups = {name: getattr(self, name) for name in GROUPS}
+        made = changed(config, groups, team=self.team)
         there = {find_block(entry).name for entry in made.observe}
         more = tuple(name for name in self.also_observe or () if name not in there)
         return replace(made, observe=(*made.observe, *more)) if more else made

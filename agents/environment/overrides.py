@@ -17,7 +17,9 @@ from coopenv.randomisation import Ranges
 GROUPS = ("body", "scene", "task", "randomise", "hands", "actuators", "weights")
 
 
-def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> TransportConfig:
+def changed(
+    config: TransportConfig, given: Mapping[str, Sequence[str]], *, team: int | None = None
+) -> TransportConfig:
     """``config`` with what is given of its `GROUPS`; all else, the task's kind too, stays.
 
     Parameters
@@ -27,6 +29,8 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
     given
         Group → entries ``NAME=VALUE``; values as in TOML or JSON, a word without quotation marks.
         The last of a name counts. ``weights`` are those of the reward's terms.
+    team
+        How many agents hold the body, as `with_team` has it; ``None``: those that do.
 
     Raises
     ------
@@ -34,12 +38,12 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
         If an entry has another form, a name does not exist, or a value breaks its rule.
     """
     read = {name: values_of(entries, name) for name, entries in given.items() if entries}
-    values: dict[str, Any] = {}
+    values: dict[str, Any] = {} if team is None else {"body": _held(config.body, team)}
     for name in ("scene", "task"):
         if name in read:
             values[name] = _each(getattr(config, name), read[name], name)
     if "body" in read:
-        values["body"] = _each(config.body, read["body"], "body")
+        values["body"] = _each(values.get("body", config.body), read["body"], "body")
     if "randomise" in read:
         values["randomise"] = _each(config.randomise or Ranges(), read["randomise"], "randomise")
     if "hands" in read:
@@ -52,6 +56,22 @@ def changed(config: TransportConfig, given: Mapping[str, Sequence[str]]) -> Tran
     return replace(config, **values) if values else config
 
 
+def with_team(config: TransportConfig, num_agents: int) -> TransportConfig:
+    """``config`` with ``num_agents`` who carry a plate; all else stays.
+
+    The default beam becomes a plate of `coopenv.Body.plate`; a body of another outline keeps it. It
+    is held evenly round its rim. Mass, drag and friction stay, and so does an inertia other than
+    that of the outline.
+
+    Raises
+    ------
+    InvalidInput
+        If the body rolls on wheels or every world has its own, the number is not one from 1 to
+        1000, or something in ``config`` is said for each of the agents that there were.
+    """
+    return replace(config, body=_held(config.body, num_agents))
+
+
 def entries_of(group: Any, name: str) -> tuple[str, ...]:
     """A table of a file as entries ``NAME=VALUE``; entries as they are."""
     if isinstance(group, Mapping):
@@ -59,6 +79,20 @@ def entries_of(group: Any, name: str) -> tuple[str, ...]:
     if not isinstance(group, Sequence) or not all(isinstance(each, str) for each in group):
         raise InvalidInput(f"{name} must be a table of names and values, got {group!r}; write one")
     return (group,) if isinstance(group, str) else tuple(group)
+
+
+def _held(body: Any, num_agents: int) -> Body:
+    """See `with_team`."""
+    if not isinstance(body, Body) or body.nonholonomic:
+        got = "one on wheels" if isinstance(body, Body) else "several"
+        raise InvalidInput(
+            f"team must be of a body that any number of agents can carry, got {got}; leave team "
+            "out, or give a Body that does not roll"
+        )
+    outline = body.outline if body.outline != Body().outline else Body.plate(1).outline
+    follows = replace(body, inertia=None) == body  # that of the outline
+    held = replace(body, outline=outline, inertia=None if follows else body.inertia)
+    return held.held_by(num_agents)
 
 
 def values_of(entries: Sequence[str], group: str) -> dict[str, Any]:

@@ -78,11 +78,11 @@ def notes_now(model: BaseAlgorithm, notes: Mapping[str, Any], *, learned_on: boo
     return Notes(dict(notes) if same else {**rest, **live}, "")
 
 
-def _identity(notes: Mapping[str, Any]) -> tuple[Any, Any]:
-    """Environment and control of a record; a damaged one is equal to none."""
+def _identity(notes: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Environment, control and teams of a record; a damaged one is equal to none."""
     record = notes.get(RECORD)
     if not isinstance(record, Mapping):
-        return None, None
+        return None, None, None
     training = record.get("training")
-    control = training.get("control") if isinstance(training, Mapping) else None
-    return record.get("environment"), control
+    known = training if isinstance(training, Mapping) else {}
+    return record.get("environment"), known.get("control"), known.get("teams")

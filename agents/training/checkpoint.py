@@ -6,6 +6,7 @@ import zipfile
 from collections import deque
 from copy import deepcopy
 from dataclasses import asdict, dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,7 @@ class Checkpoint:
             ) from error
         return cls(path=path, provenance=provenance, progress=progress)
 
-    def restore(self, model: BaseAlgorithm, *, rows: int) -> None:
+    def restore(self, model: BaseAlgorithm, *, rows: Fraction | int) -> None:
         """Bring a model of this run, as it is begun, to where the checkpoint was written.
 
         Numbers alone are read; what Stable-Baselines3 pickles beside them is what the run's
@@ -83,7 +84,7 @@ class Checkpoint:
         model
             As the run's settings make it.
         rows
-            Of the ``VecEnv``, in a control step of a world.
+            Of the ``VecEnv`` a control step of a world, in the mean over worlds.
 
         Raises
         ------
@@ -102,7 +103,7 @@ class Checkpoint:
                 f"out must hold weights of this run, got {self.path} ({type(error).__name__}: "
                 f"{first_line(error)}); {REMEDY}"
             ) from error
-        model.num_timesteps = self.progress.steps * rows
+        model.num_timesteps = int(self.progress.steps * rows)
         ended = self.progress.ended()
         model.ep_info_buffer = deque(
             ({"r": each["reward"], "l": each["length"]} for each in ended), maxlen=LOGGED

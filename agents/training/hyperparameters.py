@@ -9,9 +9,12 @@ from ..features import scale_of_features
 from ..learned import FallingRate, Scaled
 from ..settings import TrainConfig
 from ..vec_env import TransportVecEnv
+from .teams_vec_env import TeamsVecEnv
 
 
-def recommended(venv: TransportVecEnv, config: TrainConfig | None = None) -> dict[str, Any]:
+def recommended(
+    venv: TransportVecEnv | TeamsVecEnv, config: TrainConfig | None = None
+) -> dict[str, Any]:
     """Keywords for ``PPO("MlpPolicy", venv, **keywords)``: those with which `train` learns.
 
     An update is made from as many control steps as in `train`, however many worlds there are. The
@@ -26,7 +29,7 @@ def recommended(venv: TransportVecEnv, config: TrainConfig | None = None) -> dic
     """
     config = config if config is not None else TrainConfig()
     keywords = ppo_settings(config, rows=venv.num_envs, scale=feature_scale(venv))
-    worlds = venv.transport.num_worlds
+    worlds = sum(part.transport.num_worlds for part in getattr(venv, "parts", [venv]))
     keywords["n_steps"] = max(2, round(config.rollout * config.num_worlds / worlds))
     keywords["batch_size"] = min(config.batch_size, keywords["n_steps"] * venv.num_envs)
     del keywords["seed"]
@@ -65,7 +68,7 @@ def ppo_settings(config: TrainConfig, *, rows: int, scale: Sequence[float]) -> d
     }
 
 
-def feature_scale(venv: TransportVecEnv) -> list[float]:
+def feature_scale(venv: TransportVecEnv | TeamsVecEnv) -> list[float]:
     """One factor a feature, which brings it to order one (`features.scale_of_features`)."""
     rows = 1 if venv.control == "shared" else len(venv.transport.learners)
     return scale_of_features(venv.transport) * rows

@@ -6,6 +6,7 @@ from typing import Any
 
 from ..environment import EnvironmentChoice
 from ..settings import TrainConfig
+from .teams import seen_in_any_team
 
 _THOROUGH = {"num_worlds": 64, "rollout": 128, "epochs": 10}  # twice the gradient steps
 
@@ -40,6 +41,9 @@ def preset(env: str) -> dict[str, Any]:
 def observing(config: TrainConfig) -> TrainConfig:
     """A run with the blocks that a training of its id needs, unless it says what is observed.
 
+    One of teams of several sizes has none whose size grows with the team, and those of
+    `coopenv.agents.training.teams.OF_ANY_TEAM`.
+
     Parameters
     ----------
     config
@@ -50,6 +54,9 @@ def observing(config: TrainConfig) -> TrainConfig:
         return config
     said = chosen.observe is not None or chosen.sensing is not None
     also = () if said else ALSO_OBSERVED.get(_id(chosen.env), ())
+    if config.teams and not said:
+        observe = seen_in_any_team(chosen.config(), also)
+        return replace(config, environment=replace(chosen, observe=observe, also_observe=()))
     return replace(config, environment=replace(chosen, also_observe=also))
 
 

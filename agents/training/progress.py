@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from itertools import chain
 from math import ceil
 from typing import Any
@@ -113,7 +114,7 @@ class Watch(BaseCallback):
     horizon, rollout
         Control steps of the longest episode, and between two updates.
     per_step
-        Rows of the ``VecEnv`` in a control step of a world.
+        Rows of the ``VecEnv`` a control step of a world, in the mean over worlds.
     begin
         Called with the model before each rollout, when the last update is done.
     report
@@ -126,7 +127,7 @@ class Watch(BaseCallback):
         *,
         horizon: int,
         rollout: int,
-        per_step: int,
+        per_step: Fraction | int,
         begin: Callable[[BaseAlgorithm], None],
         report: Callable[[Row], None],
     ):
@@ -157,7 +158,7 @@ class Watch(BaseCallback):
                 progress.window = [[*self._first.values()]]
         else:
             progress.add(self._ended, rollouts=self._rollouts)
-        progress.steps = self.num_timesteps // self._per_step
+        progress.steps = int(self.num_timesteps / Fraction(self._per_step))
         row: Row = {"steps": progress.steps, **episode_means([*chain(*progress.window)])}
         for name, value in row.items():
             self.logger.record(f"episode/{name}", value)

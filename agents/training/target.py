@@ -29,12 +29,12 @@ class Target:
     ----------
     rate
         Success rate to reach, in ]0, 1[.
-    config
-        The environment.
+    *configs
+        The environment, or that of each size of team, in all of which it has to be reached.
     """
 
-    def __init__(self, rate: float, config: TransportConfig):
-        self._rate, self._config = rate, config
+    def __init__(self, rate: float, *configs: TransportConfig):
+        self._rate, self._configs = rate, configs
 
     def check(self, model: BaseAlgorithm, progress: Progress) -> None:
         """Raise `Reached` if the target is."""
@@ -48,17 +48,17 @@ class Target:
             return
         success, (low, _) = self._tested(model, many)
         if low >= self._rate:
+            where = " in the team that does it least" if len(self._configs) > 1 else ""
             raise Reached(
-                f"{success:.1%} of {many} held-out episodes succeed (95 % interval from "
+                f"{success:.1%} of {many} held-out episodes succeed{where} (95 % interval from "
                 f"{low:.1%}) after {progress.steps:,} steps"
             )
 
     def _tested(self, model: BaseAlgorithm, episodes: int) -> tuple[float, tuple[float, float]]:
-        seen = run_episodes(
-            SB3Policy(model),
-            self._config,
-            episodes=episodes,
-            seed=STOPPING,
-            num_worlds=episodes,
-        )
-        return success_of(seen)
+        """Success and its interval where they are lowest."""
+        policy = SB3Policy(model)
+        seen = [
+            run_episodes(policy, config, episodes=episodes, seed=STOPPING, num_worlds=episodes)
+            for config in self._configs
+        ]
+        return min(map(success_of, seen))

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from coopenv.agents.curves import Row
+    from coopenv.agents.evaluate import Evaluation
     from coopenv.agents.policy import Policy
 
 
@@ -50,6 +51,7 @@ class Train:
         "coopenv train --steps 300000 --out runs/first",
         "coopenv train --env coopenv/BeamDoorway-v0 --reward harmony --partner population",
         "coopenv train --config runs/first/config.json --seed 1 --out runs/second",
+        "coopenv train --control shared --teams 2 6 --out runs/any_team",
     )
 
     @classmethod
@@ -101,17 +103,11 @@ class Train:
         self, trained: "Policy", config: TransportConfig, console: "Console"
     ) -> dict[str, Any]:
         """Compare with other policies, draw an episode, say what was written."""
-        from coopenv.agents.controllers import RandomPolicy, find_controller
-        from coopenv.agents.evaluate import compare, save, table
+        from coopenv.agents.evaluate import save, table
 
         out = self.training.out
         with console.status(f"evaluating on {self.episodes} held-out episodes"):
-            policies: dict[str, Policy] = {
-                "trained PPO": trained,
-                "random": RandomPolicy(config),
-                "scripted": find_controller(config),
-            }
-            seen = compare(policies, config, episodes=self.episodes)
+            seen = self._compared(trained, config)
         for name in ("table.json", "table.csv"):
             save(seen, out / name)
         title = Environment(self.training.environment.env, config).title()
@@ -121,6 +117,24 @@ class Train:
             files += _draw_episode(trained, config, out / "episode.gif", console)
         console.print(f"in {out}: {', '.join(files)}", markup=False)
         return {"environment": title, "policies": seen, "folder": out, "files": files}
+
+    def _compared(self, trained: "Policy", config: TransportConfig) -> "list[Evaluation]":
+        """The trained, a random and the scripted policy, in each of the teams if there are some."""
+        from coopenv.agents.controllers import RandomPolicy, find_controller
+        from coopenv.agents.evaluate import compare
+        from coopenv.agents.training.teams import team_configs
+
+        seen = []
+        for each in team_configs(config, self.training.teams):
+            policies: dict[str, Policy] = {
+                "trained PPO": trained,
+                "random": RandomPolicy(each),
+                "scripted": find_controller(each),
+            }
+            of = f", team of {each.num_agents}" if self.training.teams else ""
+            named = {f"{name}{of}": policy for name, policy in policies.items()}
+            seen += compare(named, each, episodes=self.episodes)
+        return seen
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from coopenv.observation.energy import ENERGY
 from coopenv.observation.near import NEAR_GOAL
 from coopenv.observation.ranges import ranges
 from coopenv.observation.senses import SENSES
+from coopenv.observation.team import TEAM
 from coopenv.observation.view import VIEW, VIEW_PARTS
 from coopenv.transition import Transition
 
@@ -83,6 +84,7 @@ BLOCKS: dict[str, Block] = {
         ranges(whose="partners"),
         *SENSES,
         *ENERGY,
+        *TEAM,
     )
 }
 

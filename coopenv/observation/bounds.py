@@ -97,11 +97,13 @@ class Bounds:
             "W": _passed_on(bodies, float(force.sum()), float(torque.sum()), speed, spin),
         }
         wrench = [self._force, self._force, self._torque]  # along the axes that are limited
+        total = float(force.sum())
         at_grip = min(speed + self._grip * spin, LARGEST)
         self._by_block: dict[str, list[float]] = {
             "own_wrench": wrench,
             "felt_wrench": wrench,
             "own_motion": [at_grip, at_grip, spin],
+            "others_wrench": [total, total, float(torque.sum()) + self._grip * total],
         }
         if hands.shape[-1]:
             way, turn, energy = _stretched(limits, hands, softest)

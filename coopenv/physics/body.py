@@ -1,15 +1,15 @@
 """Body: mass, inertia, drag, outline and grips of the object that is carried."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
 
-from coopenv.arrays import FARTHEST, FloatArray, positive, stated_array, whole
+from coopenv.arrays import FARTHEST, FloatArray, positive, stated_array
 from coopenv.errors import InvalidInput
+from coopenv.geometry import rim
 
 LEAST = 1e-15  # of mass [kg] and inertia [kg·m²]
 
@@ -150,18 +150,22 @@ class Body:
         **values
             The other fields of `Body`; ``grips`` among them overrides those round the rim.
         """
-        num_agents = whole(num_agents, "num_agents", at_least=1, at_most=1000)
         if size is not None and radius is not None:
             raise InvalidInput(
                 f"radius must be left out beside size, got {radius!r} and {size!r}; a plate is a "
                 "polygon or a rectangle"
             )
         if size is None:
-            outline = _polygon(0.75 if radius is None else radius, sides)
+            outline = rim.polygon(0.75 if radius is None else radius, sides)
         else:
-            outline = _rectangle(size)
-        even = np.round(0.9 * _round_the_rim(outline, num_agents), 12) + 0.0
+            outline = rim.rectangle(size)
+        even = rim.even_grips(outline, num_agents)
         return cls(outline=_tuples(outline), **{"grips": _tuples(even), **values})
+
+    def held_by(self, num_agents: int) -> "Body":
+        """The same body, held by ``num_agents`` evenly round its rim, as a plate is."""
+        even = rim.even_grips(np.array(self.outline), num_agents)
+        return replace(self, grips=_tuples(even))
 
     @property
     def num_agents(self) -> int:
@@ -239,37 +243,6 @@ def _is_convex(outline: FloatArray) -> bool:
     along = (edges * following).sum(axis=1)
     once = abs(np.arctan2(turns, along).sum()) < 3 * np.pi  # a star turns twice or more
     return bool(once and ((turns >= 0).all() or (turns <= 0).all()))
-
-
-def _polygon(radius: float, sides: int) -> FloatArray:
-    """Corners ``(sides, 2)`` [m] of a regular polygon, the first on the x axis."""
-    radius = positive(radius, "radius", unit="m", at_most=FARTHEST)
-    sides = whole(sides, "sides", at_least=3, at_most=1000)
-    angles = [2 * pi * k / sides for k in range(sides)]
-    return radius * np.array([(cos(angle), sin(angle)) for angle in angles])
-
-
-def _rectangle(size: Any) -> FloatArray:
-    """Corners ``(4, 2)`` [m] of a rectangle."""
-    given = stated_array(size, "size")
-    if given.shape != (2,) or (given <= 0).any() or (given > FARTHEST).any():
-        raise InvalidInput(
-            f"size must be two positive numbers of at most {FARTHEST:g}, got {size!r}; give "
-            "metres (x, y)"
-        )
-    return given / 2 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-
-
-def _round_the_rim(outline: FloatArray, count: int) -> FloatArray:
-    """``count`` points ``(count, 2)`` at equal lengths of rim, from the positive x axis on."""
-    x, y = outline[:, 0], outline[:, 1]
-    first = next(k for k in range(len(outline)) if x[k] > 0 and y[k] >= 0 and y[k - 1] < 0)
-    share = y[first] / (y[first] - y[first - 1])  # of the edge that crosses the axis
-    start = share * outline[first - 1] + (1 - share) * outline[first]
-    path = np.concatenate([[start], np.roll(outline, -first, axis=0), [start]])
-    walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-    stops = walked[-1] * np.arange(count) / count
-    return np.stack([np.interp(stops, walked, path[:, k]) for k in range(2)], axis=-1)
 
 
 def _tuples(points: FloatArray) -> Points:

@@ -79,6 +79,23 @@ def test_options_change_only_what_they_name(files, tmp_path, capsys):
     assert "2 episodes" in printed
 
 
+def test_a_policy_of_any_team_is_evaluated_in_one_that_the_options_name(tmp_path, capsys):
+    run: dict[str, Any] = {"steps": 16, "num_worlds": 2, "rollout": 4, "batch_size": 8, "epochs": 1}
+    config = TrainConfig(control="shared", teams=(2, 3), hidden=(4,), out=tmp_path / "run", **run)
+    train(config, environment=TransportConfig(horizon=5, observe=("goal", "place")))
+    given = ("evaluate", tmp_path / "run/policy.zip", "--team", "4")
+    (row,) = evaluated(*given, out=tmp_path / "table.csv")
+    assert [name for name in row if name.startswith("force_load_share")][-1] == "force_load_share_3"
+    assert "BeamTransport-v0 with team 4, observe goal place, horizon 5" in capsys.readouterr().out
+    train(
+        TrainConfig(control="shared", hidden=(4,), out=tmp_path / "pair", **run),
+        environment=TransportConfig(horizon=5),
+    )
+    grown = ["evaluate", str(tmp_path / "pair/policy.zip"), "--team", "4", "--episodes=2"]
+    assert cli.main(grown) != 0
+    assert "must have the sizes the policy was trained on" in capsys.readouterr().err
+
+
 def test_an_id_on_the_command_line_is_the_environment(files, tmp_path, capsys):
     ids = ("--env=coopenv/BeamTransport-v0", "--horizon=4")
     evaluated("evaluate", files[0], *ids, out=tmp_path / "table.csv")

@@ -149,3 +149,24 @@ def test_a_plate_takes_the_other_fields_and_grips_of_its_own():
 def test_a_plate_that_cannot_be_is_refused(values, named):
     with pytest.raises(InvalidInput, match=named):
         Body.plate(**values)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_a_body_that_others_hold_is_the_plate_of_as_many(count):
+    plate = Body.plate(3, mass=5.0)
+    assert plate.held_by(count) == Body.plate(count, mass=5.0)
+    assert Body.plate(4, size=(1.0, 2.0)).held_by(count) == Body.plate(count, size=(1.0, 2.0))
+
+
+def test_a_beam_is_held_at_its_ends_by_two_and_a_clockwise_outline_alike():
+    assert set(Body().held_by(2).grips) == set(Body().grips)
+    backwards = Body(outline=Body().outline[::-1])
+    assert backwards.held_by(4).grips == Body().held_by(4).grips
+    triangle = Body(outline=((-0.5, -0.6), (1.0, 0.0), (-0.5, 0.6)))
+    assert triangle.held_by(1).grips == ((0.9, 0.0),)
+
+
+@pytest.mark.parametrize("count", [0, -1, 2.5, 1001, "many"])
+def test_a_body_is_held_by_a_whole_number_of_agents(count):
+    with pytest.raises(InvalidInput, match="num_agents must be"):
+        Body().held_by(count)
