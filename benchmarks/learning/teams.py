@@ -20,8 +20,8 @@ import tyro
 from rich.console import Console
 
 from benchmarks.pages import DOCS, fill, markdown
-from coopenv.agents.evaluate import Evaluation, evaluate
 from coopenv.agents.environment import with_team
+from coopenv.agents.evaluate import Evaluation, evaluate
 from coopenv.agents.policy import Policy
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.train import train

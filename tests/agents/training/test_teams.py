@@ -13,8 +13,8 @@ pytest.importorskip("matplotlib")
 from stable_baselines3 import PPO
 
 from coopenv import Body, TransportConfig
-from coopenv.agents.evaluate import evaluate
 from coopenv.agents.environment import with_team
+from coopenv.agents.evaluate import evaluate
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.sb3 import SB3Policy, TeamsVecEnv, TransportVecEnv, recommended
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
