@@ -24,7 +24,7 @@ def read_course(transition: Transition) -> FloatArray:
     stop, way = task.stops(conditions.plan, pose, goal)
     course = np.empty((len(pose), 3))
     _write_course(pose, goal, stop, way, task.position_tolerance, course)
-    told = conditions.told.all(axis=-1)  # of place and angle, both of which a way ends in
+    told = conditions.told[..., 0] & conditions.told[..., 1]  # place and angle: a way ends in both
     return np.where(told[..., None], course[:, None], 0.0)
 
 
