@@ -14,7 +14,7 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
     "coopenv/BeamDoorway-v0": {**_THOROUGH, "steps": 1_800_000},
     "coopenv/BeamLift-v0": {**_THOROUGH, "steps": 1_200_000},
     "coopenv/BeamTracking-v0": {**_THOROUGH, "steps": 600_000},
-    "coopenv/WalkerAvoid-v0": {**_THOROUGH, "steps": 1_800_000},
+    "coopenv/WalkerAvoid-v0": {**_THOROUGH, "steps": 600_000},
     "coopenv/WalkerTurn-v0": {**_THOROUGH, "steps": 600_000},
 }
 """Gymnasium id to what is not as in `coopenv.agents.settings.TrainConfig`."""
@@ -22,9 +22,9 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
 ALSO_OBSERVED: Mapping[str, tuple[str, ...]] = {
     "coopenv/BeamDoorway-v0": ("near_goal",),
     "coopenv/BeamLift-v0": ("near_goal",),
-    "coopenv/WalkerAvoid-v0": ("near_goal",),
+    "coopenv/WalkerAvoid-v0": ("near_goal", "course"),
 }
-"""Gymnasium id to blocks without which mean actions come to rest just beside the goal."""
+"""Gymnasium id to blocks without which mean actions come to rest beside the goal, or are caught."""
 
 
 def preset(env: str) -> dict[str, Any]:

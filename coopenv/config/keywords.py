@@ -128,7 +128,8 @@ def read_observe(
     if own and isinstance(observe, Sequence) and not isinstance(observe, str):
         observe = tuple(_of_task(entry, own) for entry in observe)
     if sensing is not None:
-        observe = _sensed(sensing, observe, tuple(task.blocks), by_hands)
+        senses = tuple(block for block in task.blocks if block.is_sense)
+        observe = _sensed(sensing, observe, senses, by_hands)
     return tuple(_by_name(entry, own) for entry in find_blocks(observe))
 
 
@@ -142,7 +143,7 @@ def _by_name(entry: Entry, own: Mapping[str, Block]) -> Any:
 
 
 def _sensed(sensing: Any, observe: Any, own: tuple[Block, ...], by_hands: bool) -> tuple[Any, ...]:
-    """The blocks that the word ``sensing`` stands for, with the task's ``own``."""
+    """The blocks that the word ``sensing`` stands for, with the task's ``own`` senses."""
     if not isinstance(sensing, str) or sensing not in SENSING:
         raise UnknownName("sensing", sensing, SENSING)
     sets = (

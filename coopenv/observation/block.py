@@ -42,6 +42,7 @@ class Block:
     frame: str = ""  # along whose axes vectors are given
     needs_told: Sequence[int] = ()  # the column of `Conditions.told` each feature needs, if any
     needs_hands: bool = False  # whether it is only where hands carry out the actions
+    is_sense: bool = True  # whether ``sensing`` brings it along with the task whose block it is
 
     def __post_init__(self) -> None:
         if not self.name or (isinstance(self.size, int) and self.size < 1):

@@ -14,6 +14,7 @@ from coopenv.observation import Block
 from coopenv.physics.body import Body
 from coopenv.physics.scene import WALL_THICKNESS, Box, Scene
 from coopenv.tasks.base import Episode, Pose
+from coopenv.tasks.course import COURSE
 from coopenv.tasks.nearest import NEAREST
 from coopenv.tasks.rolling import RollingTask, rolling_distance
 from coopenv.tasks.transport import TransportTask
@@ -73,15 +74,21 @@ class WalkerAvoidTask(RollingTask):
         corners count too. Obstacles that the scene has of its own are not in the plan, and not in
         the way.
         """
+        stop, way = self.stops(plan, pose, goal)
+        return rolling_distance(pose, goal, stop, way, self.angle_weight, self.position_tolerance)
+
+    def stops(
+        self, plan: FloatArray, pose: FloatArray, goal: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Where to go first, and the whole way: `coopenv.geometry.routes.next_stops`."""
         boxes = plan[:, 3:].reshape(len(plan), self.obstacles, 5)
         count = np.full(len(plan), self.obstacles)
-        stop, way = next_stops(pose, goal, boxes, count, plan[:, 1:3], plan[:, 0])
-        return rolling_distance(pose, goal, stop, way, self.angle_weight, self.position_tolerance)
+        return next_stops(pose, goal, boxes, count, plan[:, 1:3], plan[:, 0])
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """The ``nearest`` block."""
-        return (NEAREST,)
+        """The ``nearest`` block, and ``course``."""
+        return (NEAREST, COURSE)
 
     @property
     def max_obstacles(self) -> int:

@@ -30,7 +30,7 @@ from tests.helpers import ALONG, BLIND_TO_HANDS, IDS, NEVER, OPEN_ROOM, TRIO, ac
 EVERYTHING = {
     "coopenv/BeamDoorway-v0": ("gap",),
     "coopenv/BeamTracking-v0": ("preview", "reference_twist"),
-    "coopenv/WalkerAvoid-v0": ("nearest",),
+    "coopenv/WalkerAvoid-v0": ("nearest", "course"),
     "coopenv/BeamLift-v0": ("hurdle", "down"),
 }
 

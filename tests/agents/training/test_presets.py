@@ -84,6 +84,7 @@ def test_a_training_also_observes_what_its_id_needs_beside_what_the_environment_
     own = [find_block(entry).name for entry in EnvironmentChoice(env=DOORWAY).config().observe]
     assert seen(trained("--env", DOORWAY)) == [*own, "near_goal"]
     assert seen(trained("--env", DOORWAY, "--also-observe", "time", "goal")) == [*own, "time"]
+    assert seen(trained("--env", "coopenv/WalkerAvoid-v0"))[-2:] == ["near_goal", "course"]
     assert "near_goal" not in seen(trained("--env", "coopenv/BeamTransport-v0"))
 
 
