@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import isfinite, nan
 from pathlib import Path
@@ -185,11 +185,7 @@ def _run(folder: Path, levels: Mapping[str, str], seed: int) -> Run | None:
     if given.get("cell") != digest_of(identity):
         return None
     with reading(folder / RESULT):
-        numbers = {
-            name: nan if value is None else float(value)
-            for name, value in given["evaluation"].items()
-            if value is None or isinstance(value, int | float)
-        }
+        numbers = dict(_numbers(given["evaluation"]))
         versions = {name: str(version) for name, version in given["versions"].items()}
         revision = None if given["revision"] is None else str(given["revision"])
     return Run(
@@ -200,6 +196,15 @@ def _run(folder: Path, levels: Mapping[str, str], seed: int) -> Run | None:
         versions=versions,
         revision=revision,
     )
+
+
+def _numbers(evaluation: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    """Numbers of an evaluation; those of a list, one an agent for example, as ``name_0``, …."""
+    for name, value in evaluation.items():
+        if isinstance(value, list):
+            yield from _numbers({f"{name}_{i}": each for i, each in enumerate(value)})
+        elif value is None or isinstance(value, int | float):
+            yield name, nan if value is None else float(value)
 
 
 def _curves(path: Path) -> list[Row]:
