@@ -51,6 +51,7 @@ MEASURES = {  # name -> title, digits after the point
     "wasted_cost": ("wasted cost [N]", 2),
     SHARE: ("load of agent 0", 2),
 }
+PICTURED = (SUCCESS, TIME, "relative_cost", SHARE)
 KEPT = (*MEASURES, "internal_torque_level")
 
 
@@ -192,18 +193,42 @@ def effects(runs: Sequence[Run], action: str) -> str:
     return markdown(columns, rows)
 
 
+def answer(runs: Sequence[Run]) -> str:
+    """What a price on internal force does by its definition, with 80/20 wanted, in a sentence."""
+
+    def apart(action: str, name: str) -> str:
+        digits = MEASURES[name][1]
+        both = [of(runs, action, who, SHARED, name) for who in ("moore_penrose", "plausible")]
+        return difference(*both).text(digits, sign="+")
+
+    def rate(who: str) -> str:
+        return estimate(of(runs, "motion", who, SHARED, SUCCESS)).text(1)
+
+    return (
+        "At the same 0.1 a newton, with 80/20 of the load wanted, teams that pay for the "
+        "Moore–Penrose internal force differ from those that pay for the plausible one by "
+        f"**{apart('wrench', TIME)} s** to the goal and **{apart('wrench', 'relative_cost')}** in "
+        f"γ with wrenches, and by hands **{rate('moore_penrose')} %** of their episodes succeed "
+        f"beside **{rate('plausible')} %** (interquartile means of five seeds with 95 % intervals)."
+    )
+
+
 def tables(runs: Sequence[Run]) -> dict[str, str]:
     """All tables of the page."""
     made = {f"{action} means": means(runs, action) for action in ACTIONS}
-    return {**made, **{f"{action} effects": effects(runs, action) for action in ACTIONS}}
+    return {
+        "answer": answer(runs),
+        **made,
+        **{f"{action} effects": effects(runs, action) for action in ACTIONS},
+    }
 
 
 def shown(runs: Sequence[Run]) -> dict[str, dict[str, Shown]]:
     """Panels of the picture: action and measure, then a line a price and share."""
     panels: dict[str, dict[str, Shown]] = {}
     for action, who in ACTIONS.items():
-        for name, (title, _) in MEASURES.items():
-            panel = panels.setdefault(f"{who}: {title}", {})
+        for name in PICTURED:
+            panel = panels.setdefault(f"{who}: {MEASURES[name][0]}", {})
             for share, wanted in SHARES.items():
                 for price, label in PRICES.items():
                     found = estimate(of(runs, action, price, share, name))

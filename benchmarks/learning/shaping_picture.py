@@ -11,7 +11,7 @@ Shown = tuple[float, float, float]
 """Value, low and high end of its interval."""
 
 
-def draw(panels: Mapping[str, Mapping[str, Shown]], path: Path, *, across: int = 3) -> None:
+def draw(panels: Mapping[str, Mapping[str, Shown]], path: Path, *, across: int = 4) -> None:
     """Intervals of every panel, ``across`` of them side by side.
 
     Parameters
@@ -27,7 +27,7 @@ def draw(panels: Mapping[str, Mapping[str, Shown]], path: Path, *, across: int =
 
     labels = [*next(iter(panels.values()))]
     down = -(-len(panels) // across)
-    size = (3.0 + 3.2 * across, down * (0.9 + 0.27 * len(labels)))
+    size = (3.0 + 2.4 * across, down * (0.9 + 0.27 * len(labels)))
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(down, across, sharey=True, squeeze=False).flatten()
     for place, (title, lines) in zip(axes, panels.items(), strict=False):

@@ -74,6 +74,14 @@ def _answers() -> Iterator[tuple[str, str, str]]:
         f"{sensed[OWN]} with the partner's own wrench",
         "[studies](studies.md#what-it-is-worth-to-sense-a-partner)",
     )
+    prices = {row["price on"]: row for row in rows("results/reward_shaping", "wrench effects")
+              if row["wanted share"] == "80/20"}  # fmt: skip
+    named = [prices[f"internal force, {who}"]["time [s]"] for who in ("plausible", "Moore–Penrose")]
+    yield (
+        "What does a price on internal force cost a team that is to carry 80/20?",
+        f"{named[0]} s by the plausible definition, {named[1]} s by Moore–Penrose",
+        "[reward shaping](results/reward_shaping.md)",
+    )
     beside = {row["partner"]: row for row in rows("partners", "success")}
     places = [name for name in beside["robot"] if name != "partner"]
     worst = min(float(beside["robot"][name].strip("*")) for name in places)

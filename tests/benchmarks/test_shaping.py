@@ -53,7 +53,7 @@ def test_runs_without_success_have_no_time_and_do_not_hide_those_that_have():
 def test_the_picture_has_a_line_a_reward_in_every_panel(tmp_path):
     pytest.importorskip("matplotlib")
     panels = shaping.shown([run(seed) for seed in range(2)])
-    assert len(panels) == len(shaping.ACTIONS) * len(shaping.MEASURES)
+    assert len(panels) == len(shaping.ACTIONS) * len(shaping.PICTURED)
     assert {len(lines) for lines in panels.values()} == {2 * len(shaping.PRICES)}
     shaping.draw(panels, tmp_path / "picture.png")
     assert (tmp_path / "picture.png").stat().st_size > 10_000
