@@ -83,10 +83,10 @@ def _room(applied: FloatArray) -> tuple[FloatArray, BoolArray]:
 def _measure(k, applied, manipulation, grips, num_agents, parameters, rows, defined):
     """Write what `measured` returns of world ``k``."""
     row = rows[k]
-    write_levels(applied[k], manipulation[k], grips[k], parameters, row[:SHARES])
+    write_levels(applied[k], manipulation[k], grips[k], parameters, row[:SHARES], None)
     force, torque = row[SHARES : SHARES + num_agents], row[SHARES + num_agents :]
     defined[k, 0], defined[k, 1] = write_share_or_even(
-        applied[k, :num_agents], grips[k, :num_agents], force, torque
+        applied[k, :num_agents], grips[k, :num_agents], force, torque, None
     )
 
 

@@ -57,9 +57,10 @@ def _write(applied, grips, pose, twist, next_pose, next_twist, dt, mean, share, 
             pose[k], twist[k], next_pose[k], next_twist[k], dt
         )
         for i in range(num_agents):
-            linear, angular = power_of(applied[k], grips[k], i, mean[k])
+            linear, angular = power_of(applied[k], grips[k], i, mean[k], None)
             share[k, i] = linear + angular
         internal[k] = max(share_power(share[k]), 0.0)  # below by rounding
         defined[k] = not np.isnan(share[k, 0])
         if not defined[k]:
-            share[k, :] = 1 / num_agents
+            for i in range(num_agents):
+                share[k, i] = 1 / num_agents

@@ -15,7 +15,7 @@ from .shaping import PotentialShaping, Progress, closeness
 from .terms import Contact, RelativeCost, Success, TimeCost, TrackingError, WastedCost, decomposed
 
 _GAIN, _OUTCOME, _CONSTANT, _SCALED, _SCALED_BY_TIME = range(5)  # kinds of rows
-_UNFIT, _INFINITE, _FINITE = -1, 0, 1  # what came of it
+_FINITE, _INFINITE, _UNFIT = range(3)  # what came of it
 
 
 class Row(NamedTuple):
@@ -125,20 +125,21 @@ def _write(board, parts, kinds, numbers, before, after, success, terminated, dt,
     fit = len(before) == count and len(after) == count
     if not (fit and len(success) == count and len(terminated) == count):
         return _UNFIT
-    outcome = np.full(1, _FINITE)  # parts only ever write that it is not
-    arguments = (kinds, numbers, before, after, success, terminated, dt, terms, total, outcome)
+    arguments = (kinds, numbers, before, after, success, terminated, dt, terms, total)
     spread(board, parts, count, _write_part, arguments)
-    return outcome[0]
+    finite = True
+    for k in range(count):
+        for i in range(total.shape[1]):
+            finite &= np.isfinite(total[k, i])
+    return _FINITE if finite else _INFINITE
 
 
 @compiled
-def _write_part(
-    start, stop, kinds, numbers, before, after, success, terminated, dt, parts, total, outcome
-):
+def _write_part(start, stop, kinds, numbers, before, after, success, terminated, dt, parts, total):
     num_agents = total.shape[1]
-    finite = True
     for k in range(start, stop):
-        total[k, :] = 0.0
+        for i in range(num_agents):
+            total[k, i] = 0.0
         for t in range(len(kinds)):
             kind, factor, value = kinds[t], numbers[t, 0], 0.0
             if kind == _GAIN:
@@ -158,7 +159,3 @@ def _write_part(
             for i in range(num_agents):
                 parts[t, k, i] = value
                 total[k, i] += value
-        for i in range(num_agents):
-            finite &= np.isfinite(total[k, i])
-    if not finite:
-        outcome[0] = _INFINITE

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from numba.core.compiler import Compiler
+from coopenv.compiled.pipeline import Lean
 
 
 @contextmanager
@@ -25,7 +25,7 @@ def kept() -> Iterator[None]:
         gc.enable()
 
 
-class Entry(Compiler):
+class Entry(Lean):
     """What compiles a function that Python calls, and all parts of it."""
 
     def compile_extra(self, func: Any) -> Any:

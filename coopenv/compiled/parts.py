@@ -13,7 +13,9 @@ from typing import Any
 from llvmlite.binding import Linkage
 from numba import njit, types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, Flags
+from numba.core.compiler import Flags
+
+from coopenv.compiled.pipeline import Lean
 
 
 class _Codegen:
@@ -109,7 +111,7 @@ class _Flags(Flags):
         return _all_kept.setdefault(kept, kept)
 
 
-class _Pipeline(Compiler):
+class _Pipeline(Lean):
     def compile_extra(self, func: Any) -> Any:
         self.state.flags = _Flags(self.state.flags)
         return super().compile_extra(func)

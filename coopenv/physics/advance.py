@@ -112,27 +112,30 @@ def _part_of_shard(s, size, memory, begin, reached):
 @compiled
 def _step_shards(start, stop, calls, memory, begin, wrench, reached, lost, size, dt, substeps):
     handles, cursors, commands, reports = memory[4], memory[5], memory[6], memory[7]
+    special = memory[8]
     substep = dt / substeps
     for s in range(start, stop):
         a, b, kept, free, come = _part_of_shard(s, size, memory, begin, reached)
         rows, table, rooms, expected = kept
         pose, twist, impulse, shift, around = come
         under, step = wrench[a:b], commands[s]
-        drive(rows, table, free[0], free[1], under, substep, step, expected, around)
+        drive(rows, table, free[0], free[1], under, substep, step, expected, around, special)
         for left in range(substeps - 1, -1, -1):
             _move(s, calls, handles, cursors, substep)
             lost[s] = collect(
-                rows, table, rooms, reports[s], expected, pose, twist, impulse, shift, around
-            )
+                rows, table, rooms, reports[s], expected, pose, twist, impulse, shift, around,
+                special,
+            )  # fmt: skip
             if left == 0 or lost[s] >= 0:
                 break
-            drive(rows, table, pose, twist, under, substep, step, expected, around)
+            drive(rows, table, pose, twist, under, substep, step, expected, around, special)
         _average(around, dt)
 
 
 @compiled
 def _hold_shards(start, stop, calls, memory, begin, hands, reached, lost, size, dt, substeps):
     handles, cursors, commands, reports = memory[4], memory[5], memory[6], memory[7]
+    special = memory[8]
     substep, share = dt / substeps, 1 / substeps
     for s in range(start, stop):
         a, b, kept, free, come = _part_of_shard(s, size, memory, begin, reached)
@@ -147,8 +150,9 @@ def _hold_shards(start, stop, calls, memory, begin, hands, reached, lost, size, 
         for left in range(substeps - 1, -1, -1):
             _move(s, calls, handles, cursors, substep)
             lost[s] = collect(
-                rows, table, rooms, reports[s], expected, pose, twist, impulse, shift, around
-            )
+                rows, table, rooms, reports[s], expected, pose, twist, impulse, shift, around,
+                special,
+            )  # fmt: skip
             if left == 0 or lost[s] >= 0:
                 break
             hold(rows, table, pose, twist, under, substep, share, step, expected, around)
@@ -175,7 +179,7 @@ def step_shards(board, parts, calls, memory, begin, wrench, reached, lost, size,
     calls
         ``(NUM_CALLS,)`` addresses of the engine's functions.
     memory
-        `Memory`, as a tuple.
+        `Memory`, as a tuple, and ``special`` of `coopenv.physics.motion.drive`.
     begin
         Pose and twist ``(world, 3)`` at the beginning.
     wrench

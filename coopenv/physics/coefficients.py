@@ -19,6 +19,7 @@ NODE_COAST, NODE_TURN = 6, 9  # the angle at each node, a unit of ω and of torq
 NODE_SPEED, NODE_PATH = 12, 15  # velocity and path gained a unit of force, by node
 MASS, INERTIA, WHEELS, REACH = 18, 19, 20, 21
 HEAVY, RUBS = 22, 23  # whether there is gravity in the plane, and friction on the ground
+SPECIAL = [WHEELS, HEAVY, RUBS]  # what most bodies have not, and kernels for these cannot do
 FALL_SPEED, FALL_PATH = 24, 26  # velocity and path gained by gravity, x and y each
 SPEED_GAIN, PATH_GAIN = 28, 29  # velocity and path gained a unit of force that does not turn
 GROUND_FORCE, GROUND_TORQUE = 30, 31  # the most that friction on the ground can hold [N, N·m]

@@ -10,7 +10,7 @@ from coopenv.physics.surroundings import add_contacts
 
 
 @compiled
-def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around):
+def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, around, special):
     """Read pymunk's buffer back and add up what contacts did to each body.
 
     The impulse of a substep is the least total of contact impulses that explains the change of
@@ -26,7 +26,7 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, a
 
     Parameters
     ----------
-    rows, table, expected
+    rows, table, expected, special
         As in `drive`.
     rooms
         ``(world, 4)`` [m]: the origin of each world in pymunk's space, and how far from it along x
@@ -53,7 +53,8 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, a
         rounding = 1e-12 * (1 + abs(at[3]) + abs(at[4]) + abs(at[5]))
         c, s, rolling, pressed = 1.0, 0.0, 0.0, 0.0
         touched = speed > rounding or abs(spin) > rounding
-        if table[k, WHEELS]:  # where it heads is not as foreseen while pymunk parts what overlaps
+        if special is not None and table[k, WHEELS]:
+            # Where it heads is not as foreseen while pymunk parts what overlaps
             c, s = np.cos(at[2]), np.sin(at[2])
             rolling, _ = rotated_back(c, s, expected[k, 0], expected[k, 1])
         twist[k, 0], twist[k, 1], twist[k, 2] = at[3], at[4], at[5]
@@ -61,7 +62,7 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, a
             push = max(table[k, MASS] * speed, table[k, INERTIA] * abs(spin) / table[k, REACH])
             mass, inertia = table[k, MASS], table[k, INERTIA]
             vx, vy = expected[k, 0], expected[k, 1]
-            if table[k, WHEELS]:
+            if special is not None and table[k, WHEELS]:
                 along, pressed = rotated_back(c, s, dx, dy)
                 along, spin, factor = yielded(mass, inertia, along, dx, dy, spin)
                 push, pressed = factor * push, factor * mass * pressed
@@ -73,22 +74,22 @@ def collect(rows, table, rooms, report, expected, pose, twist, impulse, shift, a
                 rolling = twist[k, 0]
             impulse[k] += part * push
             pressed *= part
-            if table[k, HEAVY]:
+            if special is not None and table[k, HEAVY]:
                 for i in range(3):
                     expected[k, CONTACT + i] = twist[k, i] - expected[k, i]
         else:
-            if table[k, RUBS]:  # else rounding would let what is at rest creep
+            if special is not None and table[k, RUBS]:  # else rounding lets what is at rest creep
                 twist[k, 0], twist[k, 1], twist[k, 2] = (
                     expected[k, 0], expected[k, 1], expected[k, 2],
                 )  # fmt: skip
-            if table[k, HEAVY]:
+            if special is not None and table[k, HEAVY]:
                 borne = _let_go(table, k, expected, twist)
                 impulse[k] += borne
                 touched = borne > 0.0
         if table[k, WHEELS]:
             twist[k, 0], twist[k, 1] = rolling * c, rolling * s
         if touched or moved > 0.0:
-            add_contacts(table, k, expected, pose, twist, pressed, around)
+            add_contacts(table, k, expected, pose, twist, pressed, around, special)
         if not (abs(pose[k, 0]) <= farthest_x and abs(pose[k, 1]) <= farthest_y):  # or NaN
             lost = k
     return lost

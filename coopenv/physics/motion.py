@@ -187,7 +187,7 @@ def _rubbed(table, k, motion, moved, step):
 
 
 @compiled
-def drive(rows, table, pose, twist, wrench, step, command, expected, around):
+def drive(rows, table, pose, twist, wrench, step, command, expected, around, special):
     """Fill pymunk's buffer so that its own integrator lands where `advance` does.
 
     Chipmunk moves each body by its velocity, then finds contacts, then accelerates it. So the
@@ -207,25 +207,26 @@ def drive(rows, table, pose, twist, wrench, step, command, expected, around):
         ``(row, 6)`` written: velocity, angular velocity, force, torque.
     expected
         ``(world, 6)``, or ``(world, NUM_EXPECTED)`` where there is gravity: written, twist and
-        pose at the end if nothing is touched. Of the rest, what contacts did in the substep before
-        is read.
+        pose at the end if nothing is touched. The rest, what contacts did before, is read.
     around
-        ``(world, 4)``: what wheels hold is added; see `coopenv.physics.surroundings`.
+        ``(world, 4)``: what wheels hold is added (`coopenv.physics.surroundings`).
+    special
+        None where no body has wheels, weight or friction, and code for them is not compiled.
     """
     for k in range(len(rows)):
         motion = Motion(
             pose[k, 2], twist[k, 0], twist[k, 1], twist[k, 2],
             wrench[k, 0], wrench[k, 1], wrench[k, 2],
         )  # fmt: skip
-        if table[k, WHEELS]:
+        if special is not None and table[k, WHEELS]:
             dx, dy, turn, vx, vy, spin = roll(table, k, motion)
             roll_on(table, k, motion, spin, step, around)
         else:
             dx, dy, turn, vx, vy, spin = advance(table, k, motion)
-            if table[k, HEAVY]:
-                moved = dx, dy, turn, vx, vy, spin
+            moved = dx, dy, turn, vx, vy, spin
+            if special is not None and table[k, HEAVY]:
                 dx, dy, turn, vx, vy, spin = _fallen(table, k, motion, expected, moved, step)
-            if table[k, RUBS]:
+            if special is not None and table[k, RUBS]:
                 moved = dx, dy, turn, vx, vy, spin
                 dx, dy, turn, vx, vy, spin = _rubbed(table, k, motion, moved, step)
         free = dx, dy, turn, vx, vy, spin

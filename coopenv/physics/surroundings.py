@@ -69,15 +69,15 @@ def add_wheels(table, k, rolling, push, step, around):
 
 
 @inlined
-def add_contacts(table, k, expected, pose, twist, pressed, around):
+def add_contacts(table, k, expected, pose, twist, pressed, around, special):
     """Add what contacts give in a substep, and wheels because of them.
 
     Parameters
     ----------
     table, k, around
         As in `add_wheels`.
-    expected
-        Free motion, as `coopenv.physics.motion.drive` has it.
+    expected, special
+        Free motion, and what kinds of bodies there are, as `coopenv.physics.motion.drive` has them.
     pose, twist
         ``(world, 3)`` at the end, world frame.
     pressed
@@ -88,14 +88,15 @@ def add_contacts(table, k, expected, pose, twist, pressed, around):
     dx, dy = twist[k, 0] - expected[k, 0], twist[k, 1] - expected[k, 1]
     x, y = rotated_back(c, s, mass * dx, mass * dy)
     torque = inertia * (twist[k, 2] - expected[k, 2])
-    if table[k, WHEELS]:
+    if special is not None and table[k, WHEELS]:
         around[k, WHEEL] += y - pressed
     dx, dy, turn = (
         pose[k, 0] - expected[k, 3],
         pose[k, 1] - expected[k, 4],
         pose[k, 2] - expected[k, 5],
     )
-    if table[k, HEAVY]:  # the free path is told with what a lasting contact bore the body
+    if special is not None and table[k, HEAVY]:
+        # The free path is told with what a lasting contact bore the body
         lasts = table[k, PATH_GAIN] / table[k, SPEED_GAIN]
         dx, dy = dx + lasts * expected[k, LENT], dy + lasts * expected[k, LENT + 1]
         turn += table[k, TURN_GAIN] / table[k, SPIN_GAIN] * expected[k, LENT + 2]

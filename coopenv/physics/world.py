@@ -1,6 +1,7 @@
 """World: batches of bodies in rooms, a shard of them in each pymunk space."""
 
 from collections.abc import Callable, Sequence
+from typing import Any, Literal
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from coopenv.compiled.parallel import sharing
 from coopenv.errors import BodyLost, InvalidInput
 from coopenv.physics.advance import Memory, hold_shards, step_shards
 from coopenv.physics.body import Body
+from coopenv.physics.coefficients import SPECIAL
 from coopenv.physics.compliance import Hold
 from coopenv.physics.scene import Scene
 from coopenv.physics.shard import Shard, Space, calls
@@ -81,7 +83,9 @@ class World:
             for start in range(0, self.num_worlds, SHARD_SIZE)
         ]
         self._lost = np.full(len(self._shards), -1)
-        self._moved = self._calls, tuple(self._memory)  # as kernels take them
+        self._special: Literal[True] | None = None
+        self._held = self._calls, (*self._memory, True)  # as kernels take them
+        self._look_for_special()
 
     @property
     def spaces(self) -> list[Space]:
@@ -103,6 +107,13 @@ class World:
                     [bodies[j] for j in inside],
                     [scenes[j] for j in inside],
                 )
+        self._look_for_special()
+
+    def _look_for_special(self) -> None:
+        """Tell kernels whether any body has, or ever had, what most have not."""
+        if self._memory.table[:, SPECIAL].any():
+            self._special = True
+        self._moved = self._calls, (*self._memory, self._special)
 
     def place(self, worlds: IntArray, pose: FloatArray) -> None:
         """Put the bodies of ``worlds`` at ``pose`` ``(len(worlds), 3)``, at rest and untouched."""
@@ -183,7 +194,7 @@ class World:
             If a body is too fast for its substeps and got through a wall; of which world is its
             ``world``.
         """
-        self._advance(step_shards, wrench)
+        self._advance(step_shards, wrench, self._moved)
 
     def hold(self, hands: Hold) -> None:
         """`step` under what hands give in place of a wrench; their references go on too.
@@ -194,10 +205,13 @@ class World:
             Its ``applied`` has to be zero, and becomes the mean wrench; ``reference`` is changed in
             place, and ``stretch``, ``felt`` and ``energy`` are written.
         """
-        self._advance(hold_shards, tuple(hands))
+        self._advance(hold_shards, tuple(hands), self._held)
 
     def _advance(
-        self, kernel: Callable[..., int], under: FloatArray | tuple[FloatArray, ...]
+        self,
+        kernel: Callable[..., int],
+        under: FloatArray | tuple[FloatArray, ...],
+        moved: tuple[IntArray, tuple[Any, ...]],
     ) -> None:
         """Step every shard ``under`` what its worlds are moved by, one row a world."""
         begin = self.pose, self.twist
@@ -207,7 +221,7 @@ class World:
         self.given = np.zeros((self.num_worlds, NUM_GIVEN))
         reached = self.pose, self.twist, self.contact_impulse, self.contact_shift, self.given
         lost = kernel(
-            *sharing(len(self._shards)), *self._moved, begin, under, reached, self._lost,
+            *sharing(len(self._shards)), *moved, begin, under, reached, self._lost,
             self._size, self._dt, self.substeps,
         )  # fmt: skip
         if lost >= 0:

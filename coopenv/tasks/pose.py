@@ -183,7 +183,7 @@ def _write_success(pose, twist, goal, position, angle, speed, spin, success):
 @compiled
 def _arrive_part(
     start, stop, limits, tolerances, pose, twist, goal, steps, ended,
-    reached, distance, time, success, truncated, some,
+    reached, distance, time, success, truncated,
 ):  # fmt: skip
     dt, horizon = limits
     angle_weight, position, angle, speed, spin = tolerances
@@ -196,8 +196,6 @@ def _arrive_part(
         success[k] = _rests(away, turn, twist, k, position, angle, speed, spin)
         truncated[k] = steps[k] >= horizon and not success[k]
         ended[k] = truncated[k] or success[k]
-        if ended[k]:
-            some[0] = True
 
 
 @compiled
@@ -206,10 +204,12 @@ def _arrive(
     reached, distance, time, success, truncated,
 ):  # fmt: skip
     """See `PoseClock.arrive`; whether any ended."""
-    some = np.zeros(1, dtype=np.bool_)
     arguments = (
         limits, tolerances, pose, twist, goal, steps, ended,
-        reached, distance, time, success, truncated, some,
+        reached, distance, time, success, truncated,
     )  # fmt: skip
     spread(board, parts, len(pose), _arrive_part, arguments)
-    return some[0]
+    some = False
+    for k in range(len(ended)):
+        some |= ended[k]
+    return some

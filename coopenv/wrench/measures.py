@@ -75,9 +75,9 @@ def cost_weights(torque_weight: float, include_induced: float) -> FloatArray:
 
 
 @inlined
-def _cost(wrench, i, grips, w, induced):
+def _cost(wrench, i, grips, w, induced, spatial):
     """Summand i of the cost (eq. 17)."""
-    if wrench.shape[1] == 3:  # to the same bits, but where squares underflow
+    if spatial is None or wrench.shape[1] == 3:  # to the same bits, but where squares underflow
         fx, fy, tz = wrench[i, 0], wrench[i, 1], wrench[i, 2]
         cost = (1.0 - w) * sqrt(fx * fx + fy * fy) + w * abs(tz)
         if induced > 0.0:
@@ -92,9 +92,9 @@ def _cost(wrench, i, grips, w, induced):
 
 
 @inlined
-def _internal(applied, manipulation, grips, i):
+def _internal(applied, manipulation, grips, i, spatial):
     """‖f_I,i‖ and ‖r_i × f_I,i + t_I,i‖ (eq. 28)."""
-    if applied.shape[1] == 3:
+    if spatial is None or applied.shape[1] == 3:
         fx, fy = applied[i, 0] - manipulation[i, 0], applied[i, 1] - manipulation[i, 1]
         torque = grips[i, 0] * fy - grips[i, 1] * fx + applied[i, 2] - manipulation[i, 2]
         return sqrt(fx * fx + fy * fy), abs(torque)
@@ -106,14 +106,14 @@ def _internal(applied, manipulation, grips, i):
 
 
 @inlined
-def write_levels(applied, manipulation, grips, parameters, result):
-    """See `level_kernel`."""
+def write_levels(applied, manipulation, grips, parameters, result, spatial):
+    """See `level_kernel`; ``spatial`` is None where all is planar, and only that is compiled."""
     w, induced = parameters[TORQUE_WEIGHT], parameters[INCLUDE_INDUCED]
     cost, applied_cost, force_level, torque_level = 0.0, 0.0, 0.0, 0.0
     for i in range(applied.shape[0]):
-        applied_cost += _cost(applied, i, grips, w, induced)
-        cost += _cost(manipulation, i, grips, w, induced)
-        force, torque = _internal(applied, manipulation, grips, i)
+        applied_cost += _cost(applied, i, grips, w, induced, spatial)
+        cost += _cost(manipulation, i, grips, w, induced, spatial)
+        force, torque = _internal(applied, manipulation, grips, i, spatial)
         force_level += 0.5 * force
         torque_level += 0.5 * torque
     wasted = applied_cost - cost
@@ -134,4 +134,4 @@ def level_kernel(applied, manipulation, grips, parameters, result):
 
     ``parameters`` are those of `level_parameters`.
     """
-    write_levels(applied, manipulation, grips, parameters, result)
+    write_levels(applied, manipulation, grips, parameters, result, True)

@@ -153,9 +153,12 @@ def _is_defined(share):
 
 
 @inlined
-def _share(applied, grips, force_share, torque_share):
-    """Write each effector's share of the resultant force and torque (eq. 25)."""
-    if applied.shape[1] == 3:
+def _share(applied, grips, force_share, torque_share, spatial):
+    """Write each effector's share of the resultant force and torque (eq. 25).
+
+    ``spatial`` is None where all is planar, and only that is compiled; here and below.
+    """
+    if spatial is None or applied.shape[1] == 3:
         force, forces, torque, torques = _parts_in_plane(applied, grips, force_share, torque_share)
     else:
         force, forces, torque, torques = _parts_in_space(applied, grips, force_share, torque_share)
@@ -207,13 +210,13 @@ def _parts_in_space(applied, grips, along_force, along_torque):
 )
 def load_share_kernel(applied, grips, force_share, torque_share):
     """Write load shares (eq. 25), NaN where they are undefined."""
-    _share(applied, grips, force_share, torque_share)
+    _share(applied, grips, force_share, torque_share, True)
 
 
 @inlined
-def write_share_or_even(applied, grips, force_share, torque_share):
+def write_share_or_even(applied, grips, force_share, torque_share, spatial):
     """Write load shares, 1/n where they are undefined; returns whether they are defined."""
-    _share(applied, grips, force_share, torque_share)
+    _share(applied, grips, force_share, torque_share, spatial)
     force_defined, torque_defined = _is_defined(force_share), _is_defined(torque_share)
     even = 1 / force_share.shape[0]
     for i in range(force_share.shape[0]):
@@ -229,14 +232,14 @@ def write_share_or_even(applied, grips, force_share, torque_share):
 def share_or_even_kernel(applied, grips, force_share, force_defined, torque_share, torque_defined):
     """Write load shares (eq. 25), 1/n where they are undefined, and whether they are defined."""
     force_defined[0], torque_defined[0] = write_share_or_even(
-        applied, grips, force_share, torque_share
+        applied, grips, force_share, torque_share, True
     )
 
 
 @inlined
-def power_of(applied, grips, i, twist):
+def power_of(applied, grips, i, twist, spatial):
     """Power of effector i's force, and of its torque at the centre of mass (eqs. 26-27)."""
-    if applied.shape[1] == 3:  # without the zeros of the third dimension
+    if spatial is None or applied.shape[1] == 3:  # without the zeros of the third dimension
         linear = applied[i, 0] * twist[0] + applied[i, 1] * twist[1]
         return linear, torque_in_plane(applied, grips, i) * twist[2]
     fx, fy, fz, tx, ty, tz = at_centre(applied, grips, i)
@@ -264,7 +267,7 @@ def share_power(power):
 def energy_share_kernel(applied, grips, twist, total, linear, angular, internal_power):
     """Write each effector's share of the power and what passes between them (eqs. 26-27)."""
     for i in range(applied.shape[0]):
-        linear[i], angular[i] = power_of(applied, grips, i, twist)
+        linear[i], angular[i] = power_of(applied, grips, i, twist, True)
         total[i] = linear[i] + angular[i]
     share_power(linear)
     share_power(angular)

@@ -24,7 +24,7 @@ def collected(reported, *, wheels=False, origin=(0.0, 0.0), before=(0.0, 0.0), a
     report[2] = np.add(reported, [*origin, 0, 0, 0, 0])
     lost = collect.collect(
         np.array([2]), table, np.array([[*origin, 5.0, 4.0]]), report, np.array([EXPECTED]),
-        pose, twist, impulse, shift, around,
+        pose, twist, impulse, shift, around, True,
     )  # fmt: skip
     return pose[0], twist[0], impulse[0], shift[0], lost
 

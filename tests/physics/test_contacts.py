@@ -35,7 +35,7 @@ def collected(expected, reported, *, wheels):
     rows, rooms = np.zeros(1, dtype=np.int64), np.array([[0.0, 0.0, 9.0, 9.0]])
     collect.collect(
         rows, table, rooms, np.array([reported]), np.array([expected]),
-        pose, twist, impulse, shift, np.zeros((1, NUM_GIVEN)),
+        pose, twist, impulse, shift, np.zeros((1, NUM_GIVEN)), True,
     )  # fmt: skip
     return twist[0], impulse[0]
 

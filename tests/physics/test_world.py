@@ -421,3 +421,34 @@ def test_nothing_is_shifted_where_nothing_is_touched(body):
         many.step(np.random.default_rng(step).normal(scale=10.0, size=(300, 3)))
         assert not many.contact_shift.any()
         assert not many.contact_impulse.any()
+
+
+def test_plain_bodies_move_to_the_same_bits_by_the_kernels_for_all_bodies():
+    plain, other = world(count=5), world(count=5)
+    other._special = True
+    other._look_for_special()
+    for one in (plain, other):
+        one.place(np.arange(5), np.tile([0.3, -0.2, 0.4], (5, 1)))
+    wrenches = knocks(0, 60, 5)
+    for seen, same in zip(ride(plain, wrenches), ride(other, wrenches), strict=True):
+        np.testing.assert_array_equal(seen, same)
+    assert plain.contact_impulse.any() or ride(plain, wrenches)[2].any()  # walls were met
+
+
+@pytest.mark.parametrize(
+    ("body", "scene"),
+    [
+        (Body(nonholonomic=True), Scene()),
+        (Body(ground_friction=0.3), Scene()),
+        (Body(), Scene(gravity=(0.0, -9.81))),
+    ],
+)
+def test_a_plain_body_that_is_replaced_leaves_nothing_of_how_it_moved(body, scene):
+    replaced, from_the_start = world(), world(body, scene)
+    replaced.step(np.zeros((1, 3)))
+    replaced.furnish(np.array([0]), [body], [scene])
+    for one in (replaced, from_the_start):
+        one.place(np.array([0]), np.array([[0.3, -0.2, 0.4]]))
+    wrenches = knocks(1, 20, 1)
+    for seen, same in zip(ride(replaced, wrenches), ride(from_the_start, wrenches), strict=True):
+        np.testing.assert_array_equal(seen, same)

@@ -183,5 +183,7 @@ class _Motion:
         rows, expected = np.arange(len(pose)), np.zeros((len(pose), NUM_EXPECTED))
         command = np.empty((len(pose), 6))
         around = np.zeros((len(pose), NUM_GIVEN))
-        motion.drive(rows, self._table, pose, twist, wrench, self._step, command, expected, around)
+        motion.drive(
+            rows, self._table, pose, twist, wrench, self._step, command, expected, around, True
+        )
         return self.energy(expected[:, :3])

@@ -16,6 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import lower_builtin, lower_cast, models, register_model
 
 from coopenv.compiled import fused_inlined, in_llvm
+from coopenv.compiled.operators import Plain
 
 LANES = 4
 FLAGS = ("contract",)  # a product and a sum may become one instruction
@@ -35,7 +36,7 @@ def new_type(name: str, represented: ir.Type) -> Any:
     def layout(self: Any, manager: Any, kind: Any) -> None:
         models.PrimitiveModel.__init__(self, manager, kind, represented)
 
-    kind: Any = type(name, (types.Type,), {"__init__": begin})
+    kind: Any = type(name, (Plain,), {"__init__": begin})
     register_model(kind)(type(name, (models.PrimitiveModel,), {"__init__": layout}))
     return kind()
 

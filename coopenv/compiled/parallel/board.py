@@ -23,7 +23,8 @@ TICKET, DONE, OWNER, AWAKE, CLOSED, TASK, ARGUMENTS, COUNT, PARTS, FAILED, NAP, 
 _SIZE = LINE * 12
 JOB_BITS = 32  # where the number of a job begins in a ticket
 END_BITS = 16  # of a ticket: the first part that is left, and before which they end
-MOST_PARTS = 2**END_BITS - 1
+ONE_FRONT = 2**END_BITS  # a ticket's step to the next first part
+MOST_PARTS = ONE_FRONT - 1
 
 
 def new_board() -> np.ndarray:

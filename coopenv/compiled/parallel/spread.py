@@ -18,6 +18,7 @@ from coopenv.compiled.parallel.board import (
     JOB_BITS,
     MOST_PARTS,
     NAP,
+    ONE_FRONT,
     OWNER,
     PARTS,
     TASK,
@@ -95,7 +96,7 @@ def take_part(board, from_front):
     front, back = (ticket >> END_BITS) & MOST_PARTS, ticket & MOST_PARTS
     if front >= back:
         return False
-    if not exchanged(board, TICKET, ticket, ticket + 2**END_BITS if from_front else ticket - 1):
+    if not exchanged(board, TICKET, ticket, ticket + ONE_FRONT if from_front else ticket - 1):
         return True  # another was quicker
     number = front if from_front else back - 1
     count, parts = read(board, COUNT), read(board, PARTS)

@@ -61,8 +61,8 @@ def _ends(forces):
     for sign in (-1.0, 1.0):
         for k in range(2):
             end = 0.5 * f1y + sign * r1 if k == 0 else -0.5 * f2y + sign * r2
-            distance = (0.5 * (f1x + f2x)) ** 2
-            distance += (end + 0.5 * f2y) ** 2 if k == 0 else (end - 0.5 * f1y) ** 2
+            along, across = 0.5 * (f1x + f2x), end + 0.5 * f2y if k == 0 else end - 0.5 * f1y
+            distance = along * along + across * across
             radius = r2 if k == 0 else r1
             if distance <= radius * radius * (1.0 + 1e-12):
                 low, high = min(low, end), max(high, end)
