@@ -30,7 +30,8 @@ extensions = [
 root_doc = "docs/index"
 source_suffix = {".md": "markdown"}
 include_patterns = ["*.md", "docs/*.md"]
-include_patterns += [f"docs/{folder}/*.md" for folder in ("benchmark", "environments", "reference")]
+subfolders = ("benchmark", "environments", "reference", "training")
+include_patterns += [f"docs/{folder}/*.md" for folder in subfolders]
 exclude_patterns = [".*", "**/.*", "agents", "benchmarks", "build", "coopenv", "dist", "examples"]
 exclude_patterns += ["rewards", "runs", "tests", "*.egg-info", "docs/_static"]
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 from sb3_contrib import RecurrentPPO
+from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
 
@@ -29,7 +30,7 @@ from coopenv.agents.seeds import training_seeds
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import ppo_settings, train
 from coopenv.arrays import BoolArray
-from coopenv.errors import UnknownName
+from coopenv.errors import InvalidInput, UnknownName
 from coopenv.rewards import PRESETS, RewardSum
 from coopenv.transition import Transition
 
@@ -124,27 +125,61 @@ class Stacked:
         return self._policy(self._stack.copy(), transition)
 
 
-def run(cell: Cell, episodes: int, tell: Callable[[str], None] = print) -> Found:
-    """Train a cell's learner and evaluate its mean actions."""
+def run(
+    cell: Cell,
+    episodes: int,
+    policies: Path | None = None,
+    tell: Callable[[str], None] = print,
+) -> Found:
+    """Train a cell's learner and evaluate its mean actions; keep the policy in a folder, if any."""
     began = time.process_time()
-    learner = LEARNERS[cell.follower]
-    config = learner.environment(cell)
+    config = LEARNERS[cell.follower].environment(cell)
+    policy = learn(cell, config, tell)
+    if policies is not None:
+        keep(policy, policy_file(cell, policies))
+    return Found.of(cell, measured(policy, config, episodes), time.process_time() - began)
+
+
+def learn(cell: Cell, config: TransportConfig, tell: Callable[[str], None] = print) -> Policy:
+    """The policy that a cell's learner comes to in ``config``."""
     assert cell.rows is not None
     assert cell.seed is not None
-    rows_a_step = len(config.learners)
+    learner = LEARNERS[cell.follower]
     with TemporaryDirectory() as folder:
         training = of_tables(
             control=learner.control,
             seed=cell.seed,
-            steps=cell.rows // rows_a_step,
+            steps=cell.rows // len(config.learners),
             out=Path(folder) / "run",
             fresh=True,
         )
         if learner.memory == "none":
-            policy: Policy = train(training, environment=config, tell=tell)
-        else:
-            policy = _with_memory(learner.memory, training, config)
-    return Found.of(cell, measured(policy, config, episodes), time.process_time() - began)
+            return train(training, environment=config, tell=tell)
+        return _with_memory(learner.memory, training, config)
+
+
+def policy_file(cell: Cell, folder: Path) -> Path:
+    """Where a cell's policy is kept."""
+    return folder / f"{cell.name}.zip"
+
+
+def keep(policy: Policy, path: Path) -> None:
+    """Write a policy with the record of its environment, for `coopenv benchmark` for example.
+
+    Raises
+    ------
+    InvalidInput
+        If it sees a stack of observations, which no environment shows.
+    """
+    if not isinstance(policy, SB3Policy):
+        raise InvalidInput(
+            "policies must be of learners without frames, got one that sees a stack; leave it out "
+            "of only, or policies"
+        )
+    if isinstance(policy.model.policy, WholeSequences):  # its parent has the same weights
+        policy.model.policy_class = RecurrentActorCriticPolicy
+    path.parent.mkdir(parents=True, exist_ok=True)
+    policy.save(path)
 
 
 def _with_memory(memory: str, training: TrainConfig, config: TransportConfig) -> Policy:
