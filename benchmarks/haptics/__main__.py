@@ -96,7 +96,8 @@ class Haptics:
             return True
         if self.policies is None or cell.seed is None:
             return False
-        return not learned.policy_file(cell, self.policies).exists()
+        path = learned.policy_file(cell, self.policies)
+        return path is not None and not path.exists()
 
     def measure(self, cell: Cell) -> Found:
         """Run a cell."""

@@ -30,7 +30,7 @@ from coopenv.agents.seeds import training_seeds
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import ppo_settings, train
 from coopenv.arrays import BoolArray
-from coopenv.errors import InvalidInput, UnknownName
+from coopenv.errors import UnknownName
 from coopenv.rewards import PRESETS, RewardSum
 from coopenv.transition import Transition
 
@@ -135,7 +135,7 @@ def run(
     began = time.process_time()
     config = LEARNERS[cell.follower].environment(cell)
     policy = learn(cell, config, tell)
-    if policies is not None:
+    if policies is not None and isinstance(policy, SB3Policy):
         keep(policy, policy_file(cell, policies))
     return Found.of(cell, measured(policy, config, episodes), time.process_time() - began)
 
@@ -158,24 +158,17 @@ def learn(cell: Cell, config: TransportConfig, tell: Callable[[str], None] = pri
         return _with_memory(learner.memory, training, config)
 
 
-def policy_file(cell: Cell, folder: Path) -> Path:
-    """Where a cell's policy is kept."""
+def policy_file(cell: Cell, folder: Path) -> Path | None:
+    """Where a cell's policy is kept; ``None`` of one that sees a stack, as no environment shows."""
+    if LEARNERS[cell.follower].memory == "frames":
+        return None
     return folder / f"{cell.name}.zip"
 
 
-def keep(policy: Policy, path: Path) -> None:
-    """Write a policy with the record of its environment, for `coopenv benchmark` for example.
-
-    Raises
-    ------
-    InvalidInput
-        If it sees a stack of observations, which no environment shows.
-    """
-    if not isinstance(policy, SB3Policy):
-        raise InvalidInput(
-            "policies must be of learners without frames, got one that sees a stack; leave it out "
-            "of only, or policies"
-        )
+def keep(policy: SB3Policy, path: Path | None) -> None:
+    """Write a policy with the record of its environment, as ``coopenv benchmark`` reads it."""
+    if path is None:
+        return
     if isinstance(policy.model.policy, WholeSequences):  # its parent has the same weights
         policy.model.policy_class = RecurrentActorCriticPolicy
     path.parent.mkdir(parents=True, exist_ok=True)
