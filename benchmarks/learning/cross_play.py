@@ -37,8 +37,8 @@ EVALUATION, EPISODES = 19, 200  # number of the evaluation; held-out episodes of
 TEAMS = ("joint", "shared")  # controls that no partner is beside
 NONE = "None of these pairs is measured yet."
 POLICIES = (
-    *("population_0", "population_1", "population_2"),
-    *("impedance_0", "leader_0", "follower_0", "walking_0"),
+    *("population_0", "population_1"),
+    *("impedance_0", "leader_0", "follower_0"),
 )
 
 
