@@ -36,10 +36,7 @@ ENV = "BeamTransport"
 EVALUATION, EPISODES = 19, 200  # number of the evaluation; held-out episodes of a pair
 TEAMS = ("joint", "shared")  # controls that no partner is beside
 NONE = "None of these pairs is measured yet."
-POLICIES = (
-    *("population_0", "population_1"),
-    *("impedance_0", "leader_0", "follower_0"),
-)
+POLICIES = ("population_1", "impedance_0", "leader_0", "follower_0")
 
 
 @dataclass(frozen=True, kw_only=True)
