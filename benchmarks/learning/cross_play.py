@@ -88,7 +88,7 @@ def policy_file(name: str, runs: Path) -> Path:
 def together(entered: str, beside: str, runs: Path, episodes: int = EPISODES) -> Pair:
     """Held-out episodes of a policy beside another."""
     mine, theirs = (policy_file(name, runs) for name in (entered, beside))
-    config = find_config(f"{PREFIX}{ENV}-v0", {"partner": LearnedPartner(path=theirs)})
+    config = find_config(f"{PREFIX}{ENV}-v0", {"partner": LearnedPartner(path=str(theirs))})
     seen = run_episodes(Seated(read(mine), config), config, episodes=episodes, seed=EVALUATION)
     return Pair(
         entered=entered,
