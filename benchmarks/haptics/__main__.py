@@ -11,7 +11,7 @@ puts table and figure on docs/haptics.md, of all cells that are finished at that
 the files beside the page of those cells alone that it was asked for.
 """
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,6 +53,8 @@ class Haptics:
     """Held-out episodes of each cell."""
     out: Path = Path("runs/haptics")
     """Folder for finished cells."""
+    policies: Path | None = None
+    """Folder in which learners' policies are kept; cells whose policy it lacks are run again."""
     elsewhere: bool = False
     """Also the scripted followers in the other environments; a few minutes of one core."""
     write: bool = False
@@ -88,6 +90,21 @@ class Haptics:
         every = (*kept((page.CELLS,)).items(), *mine.items())
         return {cell: one for cell, one in every if self._belongs(one)}
 
+    def lacks(self, cell: Cell, done: Container[Cell]) -> bool:
+        """Whether a cell is to be run: it is not finished, or its policy is wanted and not kept."""
+        if cell not in done:
+            return True
+        if self.policies is None or cell.seed is None:
+            return False
+        path = learned.policy_file(cell, self.policies)
+        return path is not None and not path.exists()
+
+    def measure(self, cell: Cell) -> Found:
+        """Run a cell."""
+        if cell.seed is None:
+            return scripted.run(cell, self.episodes)
+        return learned.run(cell, self.episodes, self.policies)
+
     def check_page(self) -> None:
         """Raise `InvalidInput` if the page would lose rows: cells of other numbers of episodes."""
         asked = set(self.cells())
@@ -117,8 +134,8 @@ def run(study: Haptics, console: Console) -> None:
         task = progress.add_task("", total=len(cells))
         for cell in cells:
             progress.update(task, description=cell.name)
-            if cell not in done:
-                found = module_of(cell).run(cell, study.episodes)
+            if study.lacks(cell, done):
+                found = study.measure(cell)
                 found.save(study.out)
                 console.print(
                     f"{cell.name}: {100 * found.success:.1f} %, γ {found.relative_cost:.3f}, "

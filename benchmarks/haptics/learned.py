@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 from sb3_contrib import RecurrentPPO
+from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
 
@@ -124,27 +125,54 @@ class Stacked:
         return self._policy(self._stack.copy(), transition)
 
 
-def run(cell: Cell, episodes: int, tell: Callable[[str], None] = print) -> Found:
-    """Train a cell's learner and evaluate its mean actions."""
+def run(
+    cell: Cell,
+    episodes: int,
+    policies: Path | None = None,
+    tell: Callable[[str], None] = print,
+) -> Found:
+    """Train a cell's learner and evaluate its mean actions; keep the policy in a folder, if any."""
     began = time.process_time()
-    learner = LEARNERS[cell.follower]
-    config = learner.environment(cell)
+    config = LEARNERS[cell.follower].environment(cell)
+    policy = learn(cell, config, tell)
+    if policies is not None and isinstance(policy, SB3Policy):
+        keep(policy, policy_file(cell, policies))
+    return Found.of(cell, measured(policy, config, episodes), time.process_time() - began)
+
+
+def learn(cell: Cell, config: TransportConfig, tell: Callable[[str], None] = print) -> Policy:
+    """The policy that a cell's learner comes to in ``config``."""
     assert cell.rows is not None
     assert cell.seed is not None
-    rows_a_step = len(config.learners)
+    learner = LEARNERS[cell.follower]
     with TemporaryDirectory() as folder:
         training = of_tables(
             control=learner.control,
             seed=cell.seed,
-            steps=cell.rows // rows_a_step,
+            steps=cell.rows // len(config.learners),
             out=Path(folder) / "run",
             fresh=True,
         )
         if learner.memory == "none":
-            policy: Policy = train(training, environment=config, tell=tell)
-        else:
-            policy = _with_memory(learner.memory, training, config)
-    return Found.of(cell, measured(policy, config, episodes), time.process_time() - began)
+            return train(training, environment=config, tell=tell)
+        return _with_memory(learner.memory, training, config)
+
+
+def policy_file(cell: Cell, folder: Path) -> Path | None:
+    """Where a cell's policy is kept; ``None`` of one that sees a stack, as no environment shows."""
+    if LEARNERS[cell.follower].memory == "frames":
+        return None
+    return folder / f"{cell.name}.zip"
+
+
+def keep(policy: SB3Policy, path: Path | None) -> None:
+    """Write a policy with the record of its environment, as ``coopenv benchmark`` reads it."""
+    if path is None:
+        return
+    if isinstance(policy.model.policy, WholeSequences):  # its parent has the same weights
+        policy.model.policy_class = RecurrentActorCriticPolicy
+    path.parent.mkdir(parents=True, exist_ok=True)
+    policy.save(path)
 
 
 def _with_memory(memory: str, training: TrainConfig, config: TransportConfig) -> Policy:

@@ -5,56 +5,44 @@ train --env ID --control CONTROL --seed N`` trains it, five seeds each. Every po
 the same held-out episodes, by its mean actions and by sampled ones. Runs that
 docs/training/baselines holds are not run again, unless the settings are others now. Two processes
 may run at a time if no environment with a control is of both.
-``--write`` puts the table of all of them into docs/training.md.
+``--write`` puts the tables of all of them into docs/training.md and docs/training/partners.md.
+
+``--controls partner`` trains the agent that is left beside a partner, ``--partners`` says beside
+whom, as ``coopenv train --control partner --partner NAME``; ``--actions motion`` gives hands, as
+``coopenv train --action motion``:
+
+    python -m benchmarks.learning.baselines --controls partner --partners leader follower --seeds 0
+    python -m benchmarks.learning.baselines --controls joint --actions motion --seeds 0 1
 """
 
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from typing import Any
 
-import gymnasium
 import tyro
 from rich.console import Console
 
-from benchmarks.pages import DOCS, fill, markdown
+from benchmarks.learning.run import Run, configured, is_of, settings_of
+from benchmarks.learning.tables import hands, names, partners, row, table
+from benchmarks.pages import DOCS, fill
 from coopenv.agents.curves import Row
 from coopenv.agents.evaluate import evaluate
+from coopenv.agents.partners import find_partner
 from coopenv.agents.settings import TrainConfig
 from coopenv.agents.train import train
-from coopenv.agents.training.presets import train_config
 from coopenv.agents.training.threads import torch_threads
-from coopenv.envs.registry import PREFIX
 from coopenv.files import written
 
 FOLDER, PAGE = DOCS / "training" / "baselines", DOCS / "training.md"
+OTHERS, BESIDE_PAGE = "partners", DOCS / "training" / "partners.md"  # beside partners, by hands
 EPISODES = 500  # held-out ones of each policy
-NONE = "None of these runs is finished yet."  # in the place of a table without rows
 LEVELS = (0.9, 0.98)  # success rates of the exploring policy whose time is told
-COLUMNS = (
-    *("environment", "policy", "seed", "success", "sampled", "time [s]", "γ"),
-    *("control steps", "CPU s", "to 90 %", "to 98 %"),
-)
-APART = ("environment", "control", "seed", "threads", "checkpoint_every", "out")
+HANDS = ("motion", "impedance")  # actions that a partner which feels needs
 
-
-@dataclass(frozen=True, kw_only=True)
-class Run:
-    """A training, and what its policy does."""
-
-    env: str  # without "coopenv/" and version
-    control: str
-    seed: int
-    settings: Mapping[str, Any]  # of `TrainConfig`
-    steps: int  # that were done
-    seconds: float  # of the processor, imports aside
-    reached: tuple[float | None, ...]  # [s] until each of `LEVELS`; None where it never was
-    success: float  # of its mean actions
-    sampled: float  # of sampled ones
-    time: float | None  # [s] of the episodes that succeed
-    relative_cost: float  # γ
+__all__ = ["Baselines", "Run", "configured", "is_of", "names", "row", "run_all", "saved", "table"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +52,11 @@ class Baselines:
     envs: tuple[str, ...] = ()
     """Names such as BeamLift; none: all."""
     controls: tuple[str, ...] = ("joint", "shared")
-    """Who has a policy."""
+    """Who has a policy: joint, shared, partner."""
+    partners: tuple[str, ...] = ()
+    """With controls partner, who is beside the learner; none: the default of each environment."""
+    actions: tuple[str, ...] = ()
+    """What agents give, motion for example; none: what the environment has."""
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
     """Training runs of each."""
     minutes: float = 60.0
@@ -72,24 +64,7 @@ class Baselines:
     out: Path = Path("runs/baselines")
     """Folder for the runs."""
     write: bool = False
-    """Put the table into docs/training.md."""
-
-
-def names() -> list[str]:
-    """Of all environments, without prefix and version."""
-    mine = (name for name in gymnasium.registry if name.startswith(PREFIX))
-    return [name.removeprefix(PREFIX).partition("-")[0] for name in mine]
-
-
-def configured(env: str, control: str, seed: int, out: Path) -> TrainConfig:
-    """A run as ``coopenv train`` has it, from its start, since its seconds count."""
-    given = {"control": control, "seed": seed, "out": out / f"{env}_{control}_{seed}"}
-    return train_config(f"{PREFIX}{env}-v0", **given, fresh=True)
-
-
-def settings_of(config: TrainConfig) -> dict[str, Any]:
-    """What the runs of an environment and a control have in common."""
-    return {name: value for name, value in config.to_dict().items() if name not in APART}
+    """Put the tables into docs/training.md and docs/training/partners.md."""
 
 
 def learn(config: TrainConfig, env: str) -> Run:
@@ -105,6 +80,8 @@ def learn(config: TrainConfig, env: str) -> Run:
     return Run(
         env=env,
         control=config.control,
+        partner=config.environment.partner,
+        action=config.environment.action,
         seed=config.seed,
         settings=settings_of(config),
         steps=int(curve[-1][1]["steps"]),
@@ -133,28 +110,35 @@ def saved(pattern: str = "*") -> list[Run]:
     """What was run so far, of the files whose stem fits a pattern."""
     given = [
         each
-        for file in sorted(FOLDER.glob(f"{pattern}.json"))
+        for file in sorted(FOLDER.rglob(f"{pattern}.json"))
         for each in json.loads(file.read_text(encoding="utf-8"))
     ]
     return [Run(**{**each, "reached": tuple(each["reached"])}) for each in given]
 
 
 def save(run: Run) -> None:
-    """Write a run among those of its environment and control, one a line."""
-    name = f"{run.env}_{run.control}"
-    runs = [run, *(other for other in saved(name) if other.seed != run.seed)]
+    """Write a run among those of its name, one a line."""
+    runs = [run, *(other for other in saved(run.name) if other.seed != run.seed)]
     runs.sort(key=lambda one: one.seed)
-    lines = ",\n".join(json.dumps(asdict(one)) for one in runs)
-    with written(FOLDER / f"{name}.json") as part:
+    lines = ",\n".join(json.dumps(one.to_dict()) for one in runs)
+    folder = FOLDER if run.is_plain else FOLDER / OTHERS
+    folder.mkdir(parents=True, exist_ok=True)
+    with written(folder / f"{run.name}.json") as part:
         part.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
 def planned(asked: Baselines) -> Iterator[tuple[str, TrainConfig]]:
-    """Environment and settings of every run, the first seed of all before the second."""
+    """Environment and settings of every run, the first seed of all before the second.
+
+    Partners that feel are beside hands alone.
+    """
     for control in asked.controls:
-        for seed in asked.seeds:
-            for env in asked.envs or names():
-                yield env, configured(env, control, seed, asked.out)
+        beside = (asked.partners or (None,)) if control == "partner" else (None,)
+        every = product(asked.seeds, asked.envs or names(), asked.actions or (None,), beside)
+        for seed, env, action, partner in every:
+            if partner is None or action in HANDS or not find_partner(partner).needs_hands:
+                others = {"partner": partner, "action": action}
+                yield env, configured(env, control, seed, asked.out, **others)
 
 
 def run_all(asked: Baselines, tell: Callable[[str], None] = print) -> list[Run]:
@@ -168,50 +152,24 @@ def run_all(asked: Baselines, tell: Callable[[str], None] = print) -> list[Run]:
             break
         made = learn(config, env)
         save(made)
-        tell(json.dumps(asdict(made)))
+        tell(json.dumps(made.to_dict()))
     return saved()
-
-
-def is_of(run: Run, env: str, config: TrainConfig) -> bool:
-    """Whether a run is the one that is asked for, with the settings of today."""
-    mine = run.env, run.control, run.seed, dict(run.settings)
-    return mine == (env, config.control, config.seed, settings_of(config))
-
-
-def placed(runs: Sequence[Run]) -> list[Run]:
-    """Runs by environment, control and seed."""
-    order = names()
-    return sorted(runs, key=lambda run: (order.index(run.env), run.control, run.seed))
-
-
-def table(runs: Sequence[Run]) -> str:
-    """One row a run; a sentence where there is none."""
-    return markdown(COLUMNS, [row(run) for run in placed(runs)]) if runs else NONE
-
-
-def row(run: Run) -> tuple[str, ...]:
-    """Cells of a run."""
-    return (
-        run.env,
-        run.control,
-        f"{run.seed}",
-        f"{run.success:.1%}",
-        f"{run.sampled:.1%}",
-        "–" if run.time is None else f"{run.time:.1f}",
-        f"{run.relative_cost:.3f}",
-        f"{run.steps:,}",
-        f"{run.seconds:.0f}",
-        *("–" if at is None else f"{at:.0f}" for at in run.reached),
-    )
 
 
 def main() -> None:
     """Run what the command line asks for."""
     asked, console = tyro.cli(Baselines), Console()
-    made = table(run_all(asked, lambda line: console.print(line, markup=False, soft_wrap=True)))
-    console.print(made, markup=False, soft_wrap=True)
+
+    def tell(line: str) -> None:
+        console.print(line, markup=False, soft_wrap=True)
+
+    runs = run_all(asked, tell)
+    beside = {"partners": partners(runs), "hands": hands(runs)}
+    made = {"baselines": table(runs), **beside}
+    tell("\n\n".join(made.values()))
     if asked.write:
-        fill(PAGE, {"baselines": made})
+        fill(PAGE, {"baselines": made["baselines"]})
+        fill(BESIDE_PAGE, beside)
 
 
 if __name__ == "__main__":

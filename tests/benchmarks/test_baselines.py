@@ -7,7 +7,8 @@ import pytest
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("tyro")
 
-from benchmarks.learning import baselines
+from benchmarks.learning import baselines, tables
+from benchmarks.learning.run import configured, is_of
 from benchmarks.pages import filled
 from tests.agents.training.cases import tiny
 
@@ -25,9 +26,15 @@ COMMON = {
 }
 
 
-def test_the_page_shows_every_run_that_was_saved():
-    shown = filled(baselines.PAGE, {"baselines": baselines.table(baselines.saved())})
+def test_the_pages_show_every_run_that_was_saved():
+    runs = baselines.saved()
+    shown = filled(baselines.PAGE, {"baselines": baselines.table(runs)})
     assert shown == baselines.PAGE.read_text(encoding="utf-8")
+    beside = {"partners": tables.partners(runs), "hands": tables.hands(runs)}
+    page = baselines.BESIDE_PAGE
+    assert filled(page, beside) == page.read_text(encoding="utf-8")
+    rows = sum(max(0, each.count("\n") - 1) for each in (baselines.table(runs), *beside.values()))
+    assert rows == len(runs)
 
 
 def test_a_table_has_a_row_a_run_and_without_runs_there_is_none():
@@ -38,11 +45,68 @@ def test_a_table_has_a_row_a_run_and_without_runs_there_is_none():
     assert baselines.table([]) == "None of these runs is finished yet."
 
 
-def test_every_run_has_the_settings_that_the_command_has_today():
-    planned = list(baselines.planned(baselines.Baselines()))
-    assert len(planned) == 2 * 5 * len(baselines.names())
+def test_every_run_has_the_settings_that_the_command_has_today(tmp_path):
+    assert len(list(baselines.planned(baselines.Baselines()))) == 2 * 5 * len(baselines.names())
     for run in baselines.saved():
-        assert any(baselines.is_of(run, env, config) for env, config in planned), run
+        others = {"partner": run.partner, "action": run.action}
+        config = configured(run.env, run.control, run.seed, tmp_path, **others)
+        assert is_of(run, run.env, config), run
+
+
+def test_a_run_beside_a_partner_is_of_that_partner_and_action(tmp_path):
+    default = configured("WalkerTurn", "partner", 0, tmp_path, action="wrench")
+    assert default.environment.partner == "walking"
+    assert default.environment.action is None  # it is the environment's own
+    assert default.out.name == "WalkerTurn_partner_walking_0"
+    hands = configured("BeamLift", "joint", 3, tmp_path, action="motion")
+    assert hands.out.name == "BeamLift_joint_motion_3"
+    run = baselines.Run(seed=0, **{**COMMON, "env": "WalkerTurn", "control": "partner"})
+    settings = baselines.settings_of(default)
+    assert not is_of(replace(run, settings=settings), "WalkerTurn", default)
+    assert is_of(replace(run, settings=settings, partner="walking"), "WalkerTurn", default)
+
+
+def test_partners_that_feel_are_planned_beside_hands_alone():
+    asked = baselines.Baselines(
+        envs=("BeamLift",),
+        controls=("partner",),
+        partners=("leader", "guiding"),
+        actions=("wrench", "motion"),
+        seeds=(1,),
+    )
+    chosen = [config.environment for _, config in baselines.planned(asked)]
+    assert [(each.action, each.partner) for each in chosen] == [
+        (None, "leader"),
+        ("motion", "leader"),
+        ("motion", "guiding"),
+    ]
+
+
+def test_runs_beside_partners_and_by_hands_are_kept_apart_and_each_is_in_its_table(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(baselines, "FOLDER", tmp_path)
+    plain = baselines.Run(seed=0, **COMMON)
+    hands = replace(plain, action="motion")
+    beside = replace(plain, control="partner", partner="robot", action="motion")
+    for run in (plain, hands, beside):
+        baselines.save(run)
+    kept = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.json")}
+    assert kept == {
+        "BeamLift_joint.json",
+        "partners/BeamLift_joint_motion.json",
+        "partners/BeamLift_partner_robot_motion.json",
+    }
+    assert "partner" not in (tmp_path / "BeamLift_joint.json").read_text()
+    runs = baselines.saved()
+    assert sorted(runs, key=lambda run: run.name) == [plain, hands, beside]
+    for made, cells in (
+        (baselines.table(runs), "| BeamLift | joint | 0 |"),
+        (tables.hands(runs), "| BeamLift | joint | 0 |"),
+        (tables.partners(runs), "| BeamLift | motion | robot | 0 |"),
+    ):
+        assert len(made.splitlines()) == 3
+        assert made.splitlines()[-1].startswith(cells)
 
 
 def test_runs_come_back_as_they_were_saved_by_seed_and_the_newest_of_each(tmp_path, monkeypatch):

@@ -10,6 +10,7 @@ pytest.importorskip("rich")
 pytest.importorskip("sb3_contrib")
 
 from rich.console import Console
+from sb3_contrib import RecurrentPPO
 from stable_baselines3.common.vec_env import VecFrameStack
 
 from benchmarks.haptics import __main__ as command
@@ -17,7 +18,10 @@ from benchmarks.haptics import elsewhere, learned, page, scripted
 from benchmarks.haptics.__main__ import FOLLOWERS, Haptics, run
 from benchmarks.haptics.cells import BEAMS, EVALUATION, Cell, Found, environment, kept, read_found
 from benchmarks.haptics.learned import FRAMES, LEARNERS, Stacked
-from coopenv.agents.sb3 import TransportVecEnv
+from benchmarks.haptics.recurrent import WholeSequences
+from coopenv.agents.benchmark import SUITES, read_entry
+from coopenv.agents.evaluate import run_episodes
+from coopenv.agents.sb3 import SB3Policy, TransportVecEnv
 from coopenv.errors import InvalidInput, UnknownName
 
 TEXT = page.PAGE.read_text(encoding="utf-8")
@@ -86,6 +90,36 @@ def test_finished_cells_are_kept_and_not_run_again(tmp_path, monkeypatch):
     run(study, Console(quiet=True))
     with pytest.raises(AssertionError):
         run(replace(study, episodes=5), Console(quiet=True))  # another measure
+
+
+def test_a_learner_is_run_again_where_its_policy_is_wanted_and_not_kept(tmp_path):
+    study = Haptics(policies=tmp_path)
+    plain, frames, still = (
+        Cell(name, "motion", "7.7 kg", seed, 1)
+        for name, seed in (("PPO", 0), ("PPO, frames", 0), ("lets go", None))
+    )
+    done = (plain, frames, still)
+    assert study.lacks(plain, done)
+    assert not study.lacks(frames, done)  # of a stack there is no file
+    assert not study.lacks(still, done)
+    (tmp_path / f"{plain.name}.zip").touch()
+    assert not study.lacks(plain, done)
+    assert not Haptics().lacks(plain, done)
+    assert Haptics().lacks(plain, ())
+
+
+def test_a_recurrent_learner_is_kept_as_a_file_that_the_benchmark_takes(tmp_path):
+    suite = SUITES["haptics"]
+    scenario = next(each for each in suite.scenarios if each.name == "wrench, 7.7 kg")
+    config = replace(environment(Cell("PPO, recurrent", "wrench", "7.7 kg")), horizon=5)
+    venv = TransportVecEnv(config, 2, control="shared")
+    model = RecurrentPPO(WholeSequences, venv, n_steps=4, batch_size=8, n_epochs=1, seed=0)
+    model.learn(16)
+    path = tmp_path / "policies" / "mine.zip"
+    learned.keep(SB3Policy(model), path)
+    entered = read_entry(str(path)).policy(scenario)  # by nobody's trust
+    mine, again = (run_episodes(each, config, episodes=3) for each in (SB3Policy(model), entered))
+    np.testing.assert_allclose(again.reward, mine.reward, rtol=1e-5)
 
 
 def test_a_file_that_is_no_cell_is_refused_by_its_name(tmp_path):
