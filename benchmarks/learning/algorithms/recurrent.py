@@ -1,0 +1,41 @@
+"""Recurrent PPO of sb3-contrib with one policy for the team.
+
+Its settings are those of `coopenv train` for the environment, with a recurrent layer.
+"""
+
+from typing import Any
+
+from sb3_contrib import RecurrentPPO
+
+from benchmarks.haptics.recurrent import WholeSequences
+from benchmarks.learning.algorithms.curve import Curve, Drawn
+from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale
+from coopenv.agents.seeds import training_seeds
+from coopenv.agents.training.hyperparameters import ppo_settings
+from coopenv.agents.training.presets import train_config
+from coopenv.envs.registry import PREFIX
+
+UNITS = 64  # of the recurrent layer
+STEPS = 300_000  # control steps over all worlds, where it says nothing else
+TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of `coopenv train`
+
+
+def settings(env: str) -> dict[str, Any]:
+    """Those with which it is trained."""
+    config = train_config(f"{PREFIX}{env}-v0")
+    return {"steps": STEPS, "units": UNITS, **{name: getattr(config, name) for name in TAKEN}}
+
+
+def learn(env: str, seed: int, given: dict[str, Any]) -> tuple[SB3Policy, Curve]:
+    """Train with such settings."""
+    others = {name: value for name, value in given.items() if name != "units"}
+    config = train_config(f"{PREFIX}{env}-v0", seed=seed, **others)
+    environment = config.environment.config()
+    curve = Curve(environment.horizon, config.num_worlds)
+    venv = TransportVecEnv(environment, config.num_worlds)
+    keywords = ppo_settings(config, rows=venv.num_envs, scale=feature_scale(venv))
+    keywords["policy_kwargs"]["lstm_hidden_size"] = given["units"]
+    model = RecurrentPPO(WholeSequences, venv, **keywords)
+    venv.seed(training_seeds(seed, config.num_worlds)[0])  # after the model, which seeds them too
+    model.learn(config.steps, callback=Drawn(curve))
+    return SB3Policy(model), curve
