@@ -31,6 +31,7 @@ root_doc = "docs/index"
 source_suffix = {".md": "markdown"}
 include_patterns = ["*.md", "docs/*.md"]
 include_patterns += [f"docs/{folder}/*.md" for folder in ("benchmark", "environments", "reference")]
+include_patterns += ["docs/training/*.md"]
 exclude_patterns = [".*", "**/.*", "agents", "benchmarks", "build", "coopenv", "dist", "examples"]
 exclude_patterns += ["rewards", "runs", "tests", "*.egg-info", "docs/_static"]
 

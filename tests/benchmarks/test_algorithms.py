@@ -1,4 +1,4 @@
-"""Other algorithms than PPO: the page shows all runs, and each algorithm trains with its settings."""
+"""Other algorithms than PPO: the page shows all runs, and each trains with its settings."""
 
 import json
 from dataclasses import asdict, replace
@@ -18,9 +18,9 @@ from benchmarks.learning.algorithms.curve import EVERY, Curve
 from benchmarks.learning.algorithms.space import CHANGES, SEED, START
 from benchmarks.pages import filled
 from coopenv.agents.evaluate import run_episodes
-from coopenv.agents.sb3 import make_vec_env
-from coopenv.agents.settings import EnvironmentChoice
+from coopenv.agents.sb3 import feature_scale, make_vec_env
 from tests.agents.training.cases import SHORT
+from tests.docs.snippets import Snippet, chains, running
 
 COMMON = {
     "env": "BeamLift",
@@ -35,12 +35,21 @@ COMMON = {
 TINY = {
     "sac": {"steps": 64, "num_worlds": 4, "random_steps": 16, "hidden": [8], "batch_size": 16},
     "mappo": {"total_steps": 64, "num_worlds": 4, "rollout": 8, "minibatch": 16, "epochs": 1},
-    "recurrent": {"steps": 64, "num_worlds": 4, "rollout": 8, "batch_size": 16, "epochs": 1, "units": 8},
+    "recurrent": {
+        "steps": 64,
+        "num_worlds": 4,
+        "rollout": 8,
+        "batch_size": 16,
+        "epochs": 1,
+        "units": 8,
+    },
 }
 MODULES = {"sac": sac, "mappo": mappo, "recurrent": recurrent}
 
 
-def of(algorithm: str, seed: int = 0, at: tuple[float | None, float | None] = (0.5, None)) -> runs.Run:
+def of(
+    algorithm: str, seed: int = 0, at: tuple[float | None, float | None] = (0.5, None)
+) -> runs.Run:
     return runs.Run(algorithm=algorithm, seed=seed, reached=at, **COMMON)
 
 
@@ -101,7 +110,7 @@ def test_a_curve_tells_of_the_episodes_that_ended_within_a_horizon():
 
 def test_truncated_episodes_are_no_ends_to_sac():
     venv = make_vec_env(num_worlds=2, horizon=3, seed=0)
-    settings = sac.sac_settings(sac.Recipe(random_steps=100, hidden=(8,)), [1.0] * 44)
+    settings = sac.sac_settings(sac.Recipe(steps=12, random_steps=100, hidden=(8,)), [1.0] * 44)
     model = sac.SAC("MlpPolicy", venv, **settings)
     model.learn(12)
     buffer = model.replay_buffer
@@ -150,7 +159,26 @@ def test_a_trial_ends_after_its_seconds_and_is_kept(tmp_path, monkeypatch):
     assert search.table([trial]).splitlines()[-1].startswith("| nothing | 64 | ")
 
 
-def test_an_environment_trains_with_what_its_id_observes():
-    for env in baselines.names():
-        assert EnvironmentChoice(env=f"{baselines.PREFIX}{env}-v0").config().horizon
-        assert all(MODULES[name].settings(env) for name in runs.NAMES)
+def example() -> Snippet:
+    """The page's SAC."""
+    ((snippet,),) = chains(tables.PAGE)
+    return snippet
+
+
+def test_the_example_has_the_settings_of_the_table_and_runs(tmp_path):
+    code, recipe = example().code, sac.Recipe(**sac.settings("BeamTransport"))
+    assert f"learn({recipe.steps:_})" in code
+    assert f"learning_starts={recipe.random_steps:_}," in code
+    quick = code.replace(f"{recipe.steps:_}", "640").replace(f"{recipe.random_steps:_}", "320")
+    with running([replace(example(), code=quick)], tmp_path) as names:
+        shown = names["model"]
+    mine = sac.sac_settings(recipe, feature_scale(shown.env))
+    assert shown.policy_kwargs == {**shown.policy_kwargs, **mine["policy_kwargs"]}
+    for name in ("gradient_steps", "batch_size", "learning_rate", "gamma", "tau", "ent_coef"):
+        assert getattr(shown, name) == mine[name], name
+
+
+@pytest.mark.slow
+def test_the_example_learns_to_carry_the_beam(tmp_path):
+    with running([example()], tmp_path) as names:
+        assert names["seen"].success_rate > 0.9

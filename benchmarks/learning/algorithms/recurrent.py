@@ -1,6 +1,6 @@
 """Recurrent PPO of sb3-contrib with one policy for the team.
 
-Its settings are those of `coopenv train` for the environment, with a recurrent layer.
+Its settings are the defaults of `coopenv train`, with a recurrent layer and fewer control steps.
 """
 
 from typing import Any
@@ -11,19 +11,28 @@ from benchmarks.haptics.recurrent import WholeSequences
 from benchmarks.learning.algorithms.curve import Curve, Drawn
 from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale
 from coopenv.agents.seeds import training_seeds
+from coopenv.agents.settings import TrainConfig
 from coopenv.agents.training.hyperparameters import ppo_settings
 from coopenv.agents.training.presets import train_config
 from coopenv.envs.registry import PREFIX
 
+STEPS = {  # control steps over all worlds
+    "BeamTransport": 300_000,
+    "BeamTracking": 300_000,
+    "WalkerTurn": 500_000,
+    "BeamDoorway": 900_000,
+    "WalkerAvoid": 900_000,
+    "BeamLift": 900_000,
+}
 UNITS = 64  # of the recurrent layer
-STEPS = 300_000  # control steps over all worlds, where it says nothing else
-TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of `coopenv train`
+TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of the defaults
 
 
 def settings(env: str) -> dict[str, Any]:
     """Those with which it is trained."""
-    config = train_config(f"{PREFIX}{env}-v0")
-    return {"steps": STEPS, "units": UNITS, **{name: getattr(config, name) for name in TAKEN}}
+    defaults = TrainConfig()
+    taken = {name: getattr(defaults, name) for name in TAKEN}
+    return {"steps": STEPS[env], "units": UNITS, **taken}
 
 
 def learn(env: str, seed: int, given: dict[str, Any]) -> tuple[SB3Policy, Curve]:

@@ -1,4 +1,4 @@
-"""Trainings of one algorithm or another, their tests on held-out episodes, and where they are kept."""
+"""Trainings of one algorithm or another, their tests on held-out episodes, and their files."""
 
 import json
 import time

@@ -58,10 +58,7 @@ def cost(runs: Sequence[Run]) -> str:
         rows.append(
             (
                 env,
-                *(
-                    _until(baselines.saved(f"{env}_{control}"))
-                    for control in ("joint", "shared")
-                ),
+                *(_until(baselines.saved(f"{env}_{control}")) for control in ("joint", "shared")),
                 *(_until([one for one in mine if one.algorithm == name]) for name in NAMES),
             )
         )
