@@ -3,6 +3,7 @@
 It is trained by what `examples/train_torchrl.py` shows, from TorchRL's own parts.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -23,19 +24,20 @@ from coopenv.transition import Transition
 from examples.train_torchrl import Config, train
 
 SETTINGS = {"num_worlds": 256, "rollout": 32, "epochs": 5}  # beside what the example has
-STEPS = {  # control steps over all worlds
-    "BeamTransport": 300_000,
-    "BeamTracking": 300_000,
-    "WalkerTurn": 600_000,
-    "BeamDoorway": 900_000,
-    "WalkerAvoid": 900_000,
-    "BeamLift": 1_200_000,
+MORE = {"minibatch": 512}  # more gradient steps, where those of the example's size were too few
+OF: Mapping[str, Mapping[str, int]] = {
+    "BeamTransport": {"total_steps": 300_000},
+    "BeamTracking": {"total_steps": 300_000},
+    "WalkerTurn": {"total_steps": 400_000, **MORE},
+    "BeamDoorway": {"total_steps": 500_000, **MORE},
+    "WalkerAvoid": {"total_steps": 600_000, **MORE},
+    "BeamLift": {"total_steps": 600_000, **MORE},
 }
 
 
 def settings(env: str) -> dict[str, Any]:
     """Those with which it is trained: of the example's `Config`."""
-    config = Config(env=f"{PREFIX}{env}-v0", total_steps=STEPS[env], **SETTINGS)
+    config = Config(env=f"{PREFIX}{env}-v0", **SETTINGS, **OF[env])
     apart = ("seed", "episodes")
     return {name: value for name, value in asdict(config).items() if name not in apart}
 

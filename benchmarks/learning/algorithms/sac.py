@@ -22,7 +22,7 @@ class Recipe:
     gradient_steps: int = 2  # after each control step of all worlds
     batch_size: int = 256
     learning_rate: float = 1e-3
-    falling: bool = False  # whether the learning rate falls to zero at the end
+    falling: bool = True  # whether the learning rate falls to zero at the end
     discount: float = 0.98
     entropy: str | float = 0.02  # weight of the entropy [reward / nat]; auto: towards the target
     target_entropy: float | str = "auto"  # [nat]; auto: -1 an action
@@ -36,11 +36,11 @@ class Recipe:
 
 STEPS = {  # control steps over all worlds
     "BeamTransport": 100_000,
-    "BeamTracking": 200_000,
-    "WalkerTurn": 200_000,
-    "BeamDoorway": 300_000,
-    "WalkerAvoid": 300_000,
-    "BeamLift": 300_000,
+    "BeamTracking": 100_000,
+    "WalkerTurn": 150_000,
+    "BeamDoorway": 200_000,
+    "WalkerAvoid": 200_000,
+    "BeamLift": 200_000,
 }
 
 

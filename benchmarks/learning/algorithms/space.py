@@ -36,9 +36,8 @@ DEFAULTS: Mapping[str, Any] = {  # of Stable-Baselines3
 CHANGES: tuple[Mapping[str, Any], ...] = (
     {},
     {"entropy": 0.02},
-    {"entropy": 0.005},
-    {"target_entropy": -12},
-    {"n_steps": 3},
+    {"entropy": 0.02, "falling": True, "steps": 100_000},
+    {"entropy": 0.02, "n_steps": 3},
     {"entropy": 0.02, "learning_rate": 2e-3, "gradient_steps": 1, "batch_size": 512},
     DEFAULTS,
 )
