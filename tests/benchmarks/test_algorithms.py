@@ -48,7 +48,7 @@ MODULES = {"sac": sac, "mappo": mappo, "recurrent": recurrent}
 
 
 def of(
-    algorithm: str, seed: int = 0, at: tuple[float | None, float | None] = (0.5, None)
+    algorithm: runs.Name, seed: int = 0, at: tuple[float | None, float | None] = (0.5, None)
 ) -> runs.Run:
     return runs.Run(algorithm=algorithm, seed=seed, reached=at, **COMMON)
 
@@ -114,6 +114,7 @@ def test_truncated_episodes_are_no_ends_to_sac():
     model = sac.SAC("MlpPolicy", venv, **settings)
     model.learn(12)
     buffer = model.replay_buffer
+    assert buffer is not None
     assert buffer.dones[:6].sum() == buffer.timeouts[:6].sum() == 4
     assert not buffer._get_samples(np.arange(6)).dones.any()
 
