@@ -29,7 +29,7 @@ OF: Mapping[str, Mapping[str, int]] = {
     "BeamTransport": {"total_steps": 300_000},
     "BeamTracking": {"total_steps": 300_000},
     "WalkerTurn": {"total_steps": 400_000, **MORE},
-    "BeamDoorway": {"total_steps": 500_000, **MORE},
+    "BeamDoorway": {"total_steps": 900_000},
     "WalkerAvoid": {"total_steps": 600_000, **MORE},
     "BeamLift": {"total_steps": 600_000, **MORE},
 }
