@@ -1,5 +1,6 @@
 """PPO from TorchRL's own parts learns to carry a beam: one policy for all agents, one critic."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -114,8 +115,12 @@ def update(
             optimiser.step()
 
 
-def train(env: torchrl.TransportTorchEnv, config: Config) -> ProbabilisticActor:
-    """The policy after ``total_steps`` in ``env``."""
+def train(
+    env: torchrl.TransportTorchEnv,
+    config: Config,
+    watch: Callable[[TensorDictBase], object] = lambda batch: None,
+) -> ProbabilisticActor:
+    """The policy after ``total_steps`` in ``env``; ``watch`` is shown what was collected."""
     torch.manual_seed(config.seed)
     policy = make_policy(env)
     loss = make_loss(env, policy)
@@ -123,6 +128,7 @@ def train(env: torchrl.TransportTorchEnv, config: Config) -> ProbabilisticActor:
     frames = env.batch_size.numel() * config.rollout
     updates = max(1, config.total_steps // frames)
     for batch in Collector(env, policy, frames_per_batch=frames, total_frames=updates * frames):
+        watch(batch)
         update(loss, optimiser, batch, config)
     return policy
 

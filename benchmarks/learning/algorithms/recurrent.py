@@ -1,0 +1,50 @@
+"""Recurrent PPO of sb3-contrib with one policy for the team.
+
+Its settings are the defaults of `coopenv train`, with a recurrent layer and fewer control steps.
+"""
+
+from typing import Any
+
+from sb3_contrib import RecurrentPPO
+
+from benchmarks.haptics.recurrent import WholeSequences
+from benchmarks.learning.algorithms.curve import Curve, Drawn
+from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale
+from coopenv.agents.seeds import training_seeds
+from coopenv.agents.settings import TrainConfig
+from coopenv.agents.training.hyperparameters import ppo_settings
+from coopenv.agents.training.presets import train_config
+from coopenv.envs.registry import PREFIX
+
+STEPS = {  # control steps over all worlds
+    "BeamTransport": 300_000,
+    "BeamTracking": 300_000,
+    "WalkerTurn": 500_000,
+    "BeamDoorway": 900_000,
+    "WalkerAvoid": 900_000,
+    "BeamLift": 900_000,
+}
+UNITS = 64  # of the recurrent layer
+TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of the defaults
+
+
+def settings(env: str) -> dict[str, Any]:
+    """Those with which it is trained."""
+    defaults = TrainConfig()
+    taken = {name: getattr(defaults, name) for name in TAKEN}
+    return {"steps": STEPS[env], "units": UNITS, **taken}
+
+
+def learn(env: str, seed: int, given: dict[str, Any]) -> tuple[SB3Policy, Curve]:
+    """Train with such settings."""
+    others = {name: value for name, value in given.items() if name != "units"}
+    config = train_config(f"{PREFIX}{env}-v0", seed=seed, **others)
+    environment = config.environment.config()
+    curve = Curve(environment.horizon, config.num_worlds)
+    venv = TransportVecEnv(environment, config.num_worlds)
+    keywords = ppo_settings(config, rows=venv.num_envs, scale=feature_scale(venv))
+    keywords["policy_kwargs"]["lstm_hidden_size"] = given["units"]
+    model = RecurrentPPO(WholeSequences, venv, **keywords)
+    venv.seed(training_seeds(seed, config.num_worlds)[0])  # after the model, which seeds them too
+    model.learn(config.steps, callback=Drawn(curve))
+    return SB3Policy(model), curve

@@ -1,0 +1,88 @@
+"""Trainings of one algorithm or another, their tests on held-out episodes, and their files."""
+
+import json
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from typing import Any, Literal
+
+from benchmarks.learning.baselines import EPISODES, LEVELS, reached
+from benchmarks.pages import DOCS
+from coopenv.agents.evaluate import evaluate
+from coopenv.agents.training.presets import train_config
+from coopenv.agents.training.threads import torch_threads
+from coopenv.envs.registry import PREFIX
+from coopenv.files import written
+
+FOLDER = DOCS / "training" / "algorithms"
+Name = Literal["sac", "mappo", "recurrent"]  # modules beside this one
+NAMES: tuple[Name, ...] = ("sac", "mappo", "recurrent")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """A training, and what its policy does."""
+
+    algorithm: Name
+    env: str  # without "coopenv/" and version
+    seed: int
+    settings: Mapping[str, Any]  # of the algorithm's module
+    steps: int  # control steps that were done
+    seconds: float  # of the processor, imports aside
+    reached: tuple[float | None, ...]  # [s] until each of `LEVELS`; None where it never was
+    success: float  # of its mean actions
+    sampled: float  # of sampled ones
+    time: float | None  # [s] of the episodes that succeed
+    relative_cost: float  # γ
+
+
+def settings_of(name: Name, env: str) -> dict[str, Any]:
+    """Those of today, as JSON brings them back."""
+    module = import_module(f"{__package__}.{name}")
+    return json.loads(json.dumps(module.settings(env)))
+
+
+def learn(name: Name, env: str, seed: int) -> Run:
+    """Train and evaluate."""
+    module, settings = import_module(f"{__package__}.{name}"), settings_of(name, env)
+    environment = train_config(f"{PREFIX}{env}-v0").environment.config()
+    with torch_threads(1):
+        began = time.process_time()
+        policy, curve = module.learn(env, seed, settings)
+        seconds = time.process_time() - began
+        seen = evaluate(policy, environment, episodes=EPISODES)
+    whole = curve.num_worlds * environment.horizon  # control steps of one episode of each world
+    assert seen.sampled_success_rate is not None
+    return Run(
+        algorithm=name,
+        env=env,
+        seed=seed,
+        settings=settings,
+        steps=curve.steps,
+        seconds=round(seconds, 1),
+        reached=tuple(reached(curve.points, level, whole) for level in LEVELS),
+        success=seen.success_rate,
+        sampled=seen.sampled_success_rate,
+        time=round(seen.success_time, 2) if seen.success_rate else None,
+        relative_cost=round(seen.relative_cost, 4),
+    )
+
+
+def saved(name: str = "*", env: str = "*") -> list[Run]:
+    """What was run so far, of one algorithm and environment or of all."""
+    given = [
+        each
+        for file in sorted(FOLDER.glob(f"{name}/{env}.json"))
+        for each in json.loads(file.read_text(encoding="utf-8"))
+    ]
+    return [Run(**{**each, "reached": tuple(each["reached"])}) for each in given]
+
+
+def save(run: Run) -> None:
+    """Write a run among those of its algorithm and environment, one a line."""
+    others = (other for other in saved(run.algorithm, run.env) if other.seed != run.seed)
+    runs = sorted([run, *others], key=lambda one: one.seed)
+    lines = ",\n".join(json.dumps(asdict(one)) for one in runs)
+    with written(FOLDER / run.algorithm / f"{run.env}.json") as part:
+        part.write_text(f"[\n{lines}\n]\n", encoding="utf-8")

@@ -1,0 +1,81 @@
+"""Tables of other algorithms' runs, beside those of PPO."""
+
+from collections.abc import Iterable, Sequence
+from statistics import median
+
+from benchmarks.learning import baselines
+from benchmarks.learning.algorithms.runs import NAMES, Name, Run
+from benchmarks.pages import DOCS, markdown
+
+PAGE = DOCS / "training" / "algorithms.md"
+NONE = "None of these runs is finished yet."  # in the place of a table without rows
+TITLES: dict[Name, str] = {"sac": "SAC", "mappo": "MAPPO", "recurrent": "recurrent PPO"}
+COLUMNS = (
+    *("environment", "algorithm", "seed", "success", "sampled", "time [s]", "γ"),
+    *("control steps", "CPU s", "to 90 %", "to 98 %"),
+)
+
+
+def table(runs: Sequence[Run]) -> str:
+    """One row a run; a sentence where there is none."""
+    return markdown(COLUMNS, [row(run) for run in placed(runs)]) if runs else NONE
+
+
+def placed(runs: Sequence[Run]) -> list[Run]:
+    """Runs by environment, algorithm and seed."""
+    order = baselines.names()
+
+    def place(run: Run) -> tuple[int, int, int]:
+        return order.index(run.env), NAMES.index(run.algorithm), run.seed
+
+    return sorted(runs, key=place)
+
+
+def row(run: Run) -> tuple[str, ...]:
+    """Cells of a run."""
+    return (
+        run.env,
+        TITLES[run.algorithm],
+        f"{run.seed}",
+        f"{run.success:.1%}",
+        f"{run.sampled:.1%}",
+        "–" if run.time is None else f"{run.time:.1f}",
+        f"{run.relative_cost:.3f}",
+        f"{run.steps:,}",
+        f"{run.seconds:.0f}",
+        *(_seconds(at) for at in run.reached),
+    )
+
+
+def cost(runs: Sequence[Run]) -> str:
+    """Seconds until 98 %, one row an environment, PPO's beside the others'."""
+    if not runs:
+        return NONE
+    columns = ("environment", "PPO, joint", "PPO, shared", *(TITLES[name] for name in NAMES))
+    rows = []
+    for env in baselines.names():
+        mine = [one for one in runs if one.env == env]
+        rows.append(
+            (
+                env,
+                *(_until(baselines.saved(f"{env}_{control}")) for control in ("joint", "shared")),
+                *(_until([one for one in mine if one.algorithm == name]) for name in NAMES),
+            )
+        )
+    return markdown(columns, rows)
+
+
+def _until(runs: Iterable[Run | baselines.Run]) -> str:
+    """The median over runs until the last level; how many got there where not all did."""
+    times = [run.reached[-1] for run in runs]
+    there = [at for at in times if at is not None]
+    if not times:
+        return "not run"
+    if not there:
+        return "–"
+    some = f" ({len(there)} of {len(times)})" if len(there) < len(times) else ""
+    return f"{median(there):.0f}{some}"
+
+
+def _seconds(at: float | None) -> str:
+    return "–" if at is None else f"{at:.0f}"

@@ -1,0 +1,185 @@
+"""Other algorithms than PPO: the page shows all runs, and each trains with its settings."""
+
+import json
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("stable_baselines3")
+pytest.importorskip("sb3_contrib")
+pytest.importorskip("torchrl")
+pytest.importorskip("tyro")
+
+from benchmarks.learning import baselines
+from benchmarks.learning.algorithms import __main__ as command
+from benchmarks.learning.algorithms import mappo, recurrent, runs, sac, search, tables
+from benchmarks.learning.algorithms.curve import EVERY, Curve
+from benchmarks.learning.algorithms.space import CHANGES, SEED, START
+from benchmarks.pages import filled
+from coopenv.agents.evaluate import run_episodes
+from coopenv.agents.sb3 import feature_scale, make_vec_env
+from tests.agents.training.cases import SHORT
+from tests.docs.snippets import Snippet, chains, running
+
+COMMON = {
+    "env": "BeamLift",
+    "settings": {"steps": 5, "hidden": [8]},
+    "steps": 5,
+    "seconds": 1.5,
+    "success": 0.5,
+    "sampled": 0.25,
+    "time": None,
+    "relative_cost": 0.125,
+}
+TINY = {
+    "sac": {"steps": 64, "num_worlds": 4, "random_steps": 16, "hidden": [8], "batch_size": 16},
+    "mappo": {"total_steps": 64, "num_worlds": 4, "rollout": 8, "minibatch": 16, "epochs": 1},
+    "recurrent": {
+        "steps": 64,
+        "num_worlds": 4,
+        "rollout": 8,
+        "batch_size": 16,
+        "epochs": 1,
+        "units": 8,
+    },
+}
+MODULES = {"sac": sac, "mappo": mappo, "recurrent": recurrent}
+
+
+def of(
+    algorithm: runs.Name, seed: int = 0, at: tuple[float | None, float | None] = (0.5, None)
+) -> runs.Run:
+    return runs.Run(algorithm=algorithm, seed=seed, reached=at, **COMMON)
+
+
+def test_the_page_shows_every_run_and_every_trial_that_was_saved():
+    made = runs.saved()
+    shown = {"algorithms": tables.table(made), "cost": tables.cost(made)}
+    shown["search"] = search.table(search.saved())
+    assert filled(tables.PAGE, shown) == tables.PAGE.read_text(encoding="utf-8")
+
+
+def test_every_run_has_the_settings_that_the_command_has_today():
+    for run in runs.saved():
+        assert command.is_of(run, run.algorithm, run.env, run.seed), run
+
+
+def test_every_trial_is_of_the_space_that_is_searched():
+    assert all(trial.changed in CHANGES for trial in search.saved())
+    for change in CHANGES:
+        replace(START, **change)
+    seeds = {run.seed for run in runs.saved()} | {run.seed for run in baselines.saved()}
+    assert SEED not in seeds
+
+
+def test_a_table_has_a_row_a_run_by_algorithm_and_seed_and_without_runs_there_is_none():
+    _, _, *rows = tables.table([of("mappo"), of("sac", 1), of("sac")]).splitlines()
+    assert [line.split(" | ")[1:3] for line in rows] == [["SAC", "0"], ["SAC", "1"], ["MAPPO", "0"]]
+    assert tables.table([]) == tables.cost([]) == search.table([]) == tables.NONE
+
+
+def test_costs_are_medians_of_those_that_got_there_beside_ppo():
+    made = [of("sac", seed, (1.0, at)) for seed, at in enumerate((10.0, 20.0, None))]
+    header, _, *rows = tables.cost([*made, of("mappo")]).splitlines()
+    assert header[2:-2].split(" | ")[1:4] == ["PPO, joint", "PPO, shared", "SAC"]
+    (mine,) = (line for line in rows if line.startswith("| BeamLift "))
+    assert mine[2:-2].split(" | ")[3:] == ["15 (2 of 3)", "–", "not run"]
+
+
+def test_runs_come_back_as_they_were_saved_by_seed_and_the_newest_of_each(tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "FOLDER", tmp_path)
+    last, first, other = of("sac", 3), of("sac", 1), of("mappo")
+    again = replace(last, success=1.0)
+    for run in (last, first, again, other):
+        runs.save(run)
+    assert runs.saved("sac") == [first, again]
+    assert runs.saved() == [other, first, again]
+
+
+def test_a_curve_tells_of_the_episodes_that_ended_within_a_horizon():
+    curve = Curve(horizon=EVERY, num_worlds=2)
+    for step in range(2 * EVERY):
+        curve.add([step >= EVERY] if step % 2 else [])
+    assert [row for _, row in curve.points] == [
+        {"steps": 2 * EVERY, "success": 0.0},
+        {"steps": 4 * EVERY, "success": 1.0},
+    ]
+    assert curve.steps == 4 * EVERY
+
+
+def test_truncated_episodes_are_no_ends_to_sac():
+    venv = make_vec_env(num_worlds=2, horizon=3, seed=0)
+    settings = sac.sac_settings(sac.Recipe(steps=12, random_steps=100, hidden=(8,)), [1.0] * 44)
+    model = sac.SAC("MlpPolicy", venv, **settings)
+    model.learn(12)
+    buffer = model.replay_buffer
+    assert buffer is not None
+    assert buffer.dones[:6].sum() == buffer.timeouts[:6].sum() == 4
+    assert not buffer._get_samples(np.arange(6)).dones.any()
+
+
+@pytest.mark.parametrize("name", runs.NAMES)
+def test_an_algorithm_trains_is_tested_saved_and_not_asked_for_again(name, tmp_path, monkeypatch):
+    settings = {**runs.settings_of(name, "BeamTransport"), **TINY[name]}
+    monkeypatch.setattr(MODULES[name], "settings", lambda env: settings)
+    monkeypatch.setattr(runs, "FOLDER", tmp_path)
+    monkeypatch.setattr(runs, "EPISODES", 4)
+    told: list[str] = []
+    asked = command.Algorithms(only=(name,), envs=("BeamTransport",), seeds=(2,))
+    (run,) = command.run_all(asked, told.append)
+    assert (run.algorithm, run.steps, run.seed, run.reached) == (name, 64, 2, (None, None))
+    assert run.settings == settings
+    assert run.seconds > 0
+    assert command.run_all(asked, told.append) == [run]
+    assert told == [json.dumps(asdict(run))]
+    settings["num_worlds"] = 2  # other settings now, and no time
+    command.run_all(replace(asked, minutes=0.0), told.append)
+    assert told[-1] == "the budget is spent; the same command goes on"
+
+
+def test_actors_of_mappo_act_by_their_mean_or_by_samples_keyed_by_episode():
+    settings = {**mappo.settings("BeamTransport"), **TINY["mappo"], "total_steps": 32}
+    policy, _ = mappo.learn("BeamTransport", 0, settings)
+    alone, beside = (
+        run_episodes(policy.sampled(), SHORT, episodes=3, num_worlds=worlds) for worlds in (1, 3)
+    )
+    np.testing.assert_allclose(alone.reward, beside.reward, atol=1e-5)
+    assert not np.allclose(alone.reward, run_episodes(policy, SHORT, episodes=3).reward)
+
+
+def test_a_trial_ends_after_its_seconds_and_is_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(search, "FILE", tmp_path / "search.json")
+    monkeypatch.setattr(search, "EPISODES", 2)
+    monkeypatch.setattr(search, "SECONDS", 0.0)
+    told: list[str] = []
+    (trial,) = search.search(search.Search(only=(0,)), told.append)
+    assert trial.steps == START.num_worlds
+    assert search.search(search.Search(only=(0,)), told.append) == [trial]
+    assert len(told) == 1
+    assert search.table([trial]).splitlines()[-1].startswith("| nothing | 64 | ")
+
+
+def example() -> Snippet:
+    """The page's SAC."""
+    ((snippet,),) = chains(tables.PAGE)
+    return snippet
+
+
+def test_the_example_has_the_settings_of_the_table_and_runs(tmp_path):
+    code, recipe = example().code, sac.Recipe(**sac.settings("BeamTransport"))
+    assert f"learn({recipe.steps:_})" in code
+    assert f"learning_starts={recipe.random_steps:_}," in code
+    quick = code.replace(f"{recipe.steps:_}", "640").replace(f"{recipe.random_steps:_}", "320")
+    with running([replace(example(), code=quick)], tmp_path) as names:
+        shown = names["model"]
+    mine = sac.sac_settings(recipe, feature_scale(shown.env))
+    assert shown.policy_kwargs == {**shown.policy_kwargs, **mine["policy_kwargs"]}
+    for name in ("gradient_steps", "batch_size", "learning_rate", "gamma", "tau", "ent_coef"):
+        assert getattr(shown, name) == mine[name], name
+
+
+@pytest.mark.slow
+def test_the_example_learns_to_carry_the_beam(tmp_path):
+    with running([example()], tmp_path) as names:
+        assert names["seen"].success_rate > 0.9
