@@ -28,9 +28,9 @@ MORE = {"minibatch": 512}  # more gradient steps, where those of the example's s
 OF: Mapping[str, Mapping[str, int]] = {
     "BeamTransport": {"total_steps": 300_000},
     "BeamTracking": {"total_steps": 300_000},
-    "WalkerTurn": {"total_steps": 400_000, **MORE},
-    "BeamDoorway": {"total_steps": 900_000},
-    "WalkerAvoid": {"total_steps": 600_000, **MORE},
+    "WalkerTurn": {"total_steps": 1_000_000, **MORE},
+    "BeamDoorway": {"total_steps": 1_800_000, **MORE},
+    "WalkerAvoid": {"total_steps": 1_200_000, **MORE},
     "BeamLift": {"total_steps": 600_000, **MORE},
 }
 

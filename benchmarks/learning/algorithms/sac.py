@@ -37,10 +37,10 @@ class Recipe:
 STEPS = {  # control steps over all worlds
     "BeamTransport": 100_000,
     "BeamTracking": 100_000,
-    "WalkerTurn": 150_000,
-    "BeamDoorway": 200_000,
-    "WalkerAvoid": 200_000,
-    "BeamLift": 200_000,
+    "WalkerTurn": 400_000,
+    "BeamDoorway": 600_000,
+    "WalkerAvoid": 600_000,
+    "BeamLift": 500_000,
 }
 
 
