@@ -135,10 +135,13 @@ class TrainConfig:
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings and lists; without ``fresh``, which is said for one call.
 
-        ``teams`` are said where there are some, so that a run of before reads as it did.
+        ``teams`` are said where there are some, so that a run of before reads as it did; then the
+        environment's team, which is the first of them, is not.
         """
         left_out = UNSAVED if self.teams else (*UNSAVED, "teams")
         values = {name: value for name, value in asdict(self).items() if name not in left_out}
+        if self.teams:
+            values["environment"]["team"] = None
         return json.loads(json.dumps(values, default=str))
 
     def identity(self) -> dict[str, Any]:

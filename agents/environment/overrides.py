@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+from coopenv.arrays import whole
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.files import toml
@@ -38,12 +39,19 @@ def changed(
         If an entry has another form, a name does not exist, or a value breaks its rule.
     """
     read = {name: values_of(entries, name) for name, entries in given.items() if entries}
-    values: dict[str, Any] = {} if team is None else {"body": _held(config.body, team)}
+    values: dict[str, Any] = {}
     for name in ("scene", "task"):
         if name in read:
             values[name] = _each(getattr(config, name), read[name], name)
     if "body" in read:
-        values["body"] = _each(values.get("body", config.body), read["body"], "body")
+        values["body"] = _each(config.body, read["body"], "body")
+    if team is not None:
+        if "grips" in read.get("body", {}):
+            raise InvalidInput(
+                f"body must leave grips to team, got grips beside a team of {team!r}, which holds "
+                "the body evenly round its rim; leave one of them out"
+            )
+        values["body"] = _held(values.get("body", config.body), team)
     if "randomise" in read:
         values["randomise"] = _each(config.randomise or Ranges(), read["randomise"], "randomise")
     if "hands" in read:
@@ -83,6 +91,7 @@ def entries_of(group: Any, name: str) -> tuple[str, ...]:
 
 def _held(body: Any, num_agents: int) -> Body:
     """See `with_team`."""
+    num_agents = whole(num_agents, "team", at_least=1, at_most=1000)
     if not isinstance(body, Body) or body.nonholonomic:
         got = "one on wheels" if isinstance(body, Body) else "several"
         raise InvalidInput(

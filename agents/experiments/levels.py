@@ -15,8 +15,11 @@ from .lines import Place, Source
 LEARNER = "ppo"
 ALGORITHMS = (LEARNER, "scripted", "random")  # the last two learn nothing and cost little
 OF_CELLS = ("environment", "control", "seed", "out", "fresh", "threads")  # said by the grid itself
+WHOLE = ("teams",)  # evaluated in environments of its own, of which a cell has one
 ENVIRONMENT = tuple(entry.name for entry in fields(EnvironmentChoice))
-TRAINING = tuple(entry.name for entry in fields(TrainConfig) if entry.name not in OF_CELLS)
+TRAINING = tuple(
+    entry.name for entry in fields(TrainConfig) if entry.name not in (*OF_CELLS, *WHOLE)
+)
 CONTROLS = get_args(get_type_hints(TrainConfig)["control"])
 LABEL = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,59}")  # of a level: part of a folder's name
 

@@ -50,13 +50,14 @@ def observing(config: TrainConfig) -> TrainConfig:
         Of the run; it says so by ``also_observe``, ``observe`` or ``sensing`` of its environment.
     """
     chosen = config.environment
-    if chosen.also_observe is not None:
-        return config
     said = chosen.observe is not None or chosen.sensing is not None
-    also = () if said else ALSO_OBSERVED.get(_id(chosen.env), ())
+    also = chosen.also_observe
+    if also is None:
+        also = () if said else ALSO_OBSERVED.get(_id(chosen.env), ())
     if config.teams and not said:
         observe = seen_in_any_team(chosen.config(), also)
-        return replace(config, environment=replace(chosen, observe=observe, also_observe=()))
+        also = also if observe is None else ()
+        return replace(config, environment=replace(chosen, observe=observe, also_observe=also))
     return replace(config, environment=replace(chosen, also_observe=also))
 
 

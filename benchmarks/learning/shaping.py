@@ -205,8 +205,8 @@ def answer(runs: Sequence[Run]) -> str:
 
     return (
         "**With 80/20 of the load wanted and 0.1 a newton, teams that pay for the plausible "
-        f"internal force reach the goal {less(TIME)} s sooner with wrenches than those that pay for the "
-        f"Moore–Penrose one, at a γ lower by {less('relative_cost')}; by hands "
+        f"internal force reach the goal {less(TIME)} s sooner with wrenches than those that pay "
+        f"for the Moore–Penrose one, at a γ lower by {less('relative_cost')}; by hands "
         f"{rate('plausible')} % of their episodes succeed, of the others' "
         f"{rate('moore_penrose')} %.**"
     )

@@ -99,15 +99,17 @@ class World:
         """
         self.bodies = with_items(self.bodies, worlds, bodies)
         self.scenes = with_items(self.scenes, worlds, scenes)
-        for number, shard in enumerate(self._shards):
-            inside = np.flatnonzero(worlds // SHARD_SIZE == number).tolist()
-            if inside:
-                shard.furnish(
-                    worlds[inside] - number * SHARD_SIZE,
-                    [bodies[j] for j in inside],
-                    [scenes[j] for j in inside],
-                )
-        self._look_for_special()
+        try:
+            for number, shard in enumerate(self._shards):
+                inside = np.flatnonzero(worlds // SHARD_SIZE == number).tolist()
+                if inside:
+                    shard.furnish(
+                        worlds[inside] - number * SHARD_SIZE,
+                        [bodies[j] for j in inside],
+                        [scenes[j] for j in inside],
+                    )
+        finally:  # also where Ctrl-C comes in between
+            self._look_for_special()
 
     def _look_for_special(self) -> None:
         """Tell kernels whether any body has, or ever had, what most have not."""

@@ -253,5 +253,5 @@ def test_the_examples_difference_of_forces_is_that_along_the_beam(example):
     assert transition is not None
     forces = transition.applied[..., 0]  # along the beam, object frame
     price = config.terms["squeeze"](transition)
-    expected = -0.02 * np.abs(forces[:, 0] - forces[:, 1])
+    expected = -0.05 * np.abs(forces[:, 0] - forces[:, 1])
     np.testing.assert_allclose(price, np.stack([expected, expected], axis=1), atol=1e-12)

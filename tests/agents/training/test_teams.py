@@ -15,6 +15,7 @@ from stable_baselines3 import PPO
 from coopenv import Body, TransportConfig
 from coopenv.agents.environment import with_team
 from coopenv.agents.evaluate import evaluate
+from coopenv.agents.experiments import Experiment
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.sb3 import SB3Policy, TeamsVecEnv, TransportVecEnv, recommended
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
@@ -175,3 +176,38 @@ def test_the_file_of_ones_own_learner_says_the_teams(tmp_path):
     assert kept is not None
     assert (kept.training["control"], kept.training["teams"]) == ("shared", [2, 3])
     json.dumps(kept.to_notes())
+
+
+def test_a_team_holds_the_outline_that_is_given_beside_it_and_no_grips_can_be():
+    outline = "outline=[[-0.3,-0.2],[0.3,-0.2],[0.3,0.2],[-0.3,0.2]]"
+    body = EnvironmentChoice(team=4, body=(outline,)).config().body
+    assert isinstance(body, Body)
+    assert body.num_agents == 4
+    assert all(abs(x) <= 0.3 and abs(y) <= 0.2 for x, y in body.grips)
+    with pytest.raises(InvalidInput, match="body must leave grips to team"):
+        EnvironmentChoice(team=4, body=("grips=[[-0.5,0],[0.5,0]]",)).config()
+    with pytest.raises(InvalidInput, match="team must be a whole number of at least 1, got 0"):
+        EnvironmentChoice(team=0).config()
+
+
+def test_settings_that_were_saved_take_other_teams():
+    saved = TrainConfig(control="shared", teams=(2, 3)).to_dict()
+    again = TrainConfig.from_dict({**saved, "teams": [3, 4]})
+    assert again.environment.team == 3
+    assert TrainConfig.from_dict(saved).environment.team == 2
+
+
+def test_what_is_observed_too_comes_beside_the_blocks_of_any_team():
+    config = TrainConfig(
+        environment=EnvironmentChoice(also_observe=("time",)), control="shared", teams=(2, 3)
+    )
+    seen = observing(config).environment.config().observe
+    assert {"time", "others_wrench", "place"} <= set(seen)
+    assert "partner_wrench" not in seen
+
+
+def test_a_grid_has_no_teams_since_a_cell_is_evaluated_in_one_environment():
+    with pytest.raises(InvalidInput, match="teams"):
+        Experiment(
+            name="teams", grid={"reward": ["task"]}, training={"control": "shared", "teams": [2, 3]}
+        ).cells()
