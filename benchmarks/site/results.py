@@ -5,7 +5,7 @@ python -m benchmarks.site.results --write    # and writes docs/results.md
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from benchmarks.pages import DOCS, filled, markdown, show
 
@@ -41,17 +41,30 @@ def claims() -> str:
 
 
 def solved() -> str:
-    """Who solves which environment."""
-    found: dict[str, dict[str, dict[str, str]]] = {}
-    for row in rows("tasks", "learning"):
-        kind = "scripted" if row["policy"] == "scripted" else "PPO"
-        found.setdefault(row["environment"], {})[kind] = row
+    """Who solves which environment: the scripted controller, and PPO's joint policies."""
+    scripted = {row["environment"]: row for row in rows("tasks", "learning")
+                if row["policy"] == "scripted"}  # fmt: skip
+    learned: dict[str, list[dict[str, str]]] = {}
+    for row in rows("training", "baselines"):
+        if row["policy"] == "joint":
+            learned.setdefault(row["environment"], []).append(row)
     lines = [
-        (name, *(part[column] for part in (kinds["scripted"], kinds["PPO"]) for column in COLUMNS))
-        for name, kinds in found.items()
+        (
+            name,
+            *(mine[column] for column in COLUMNS),
+            str(len(learned[name])),
+            *(_range([row[column] for row in learned[name]]) for column in COLUMNS),
+        )
+        for name, mine in scripted.items()
     ]
     heads = [f"{kind}: {column}" for kind in ("scripted", "PPO") for column in COLUMNS]
-    return markdown(("environment", *heads), lines)
+    return markdown(("environment", *heads[:3], "PPO: seeds", *heads[3:]), lines)
+
+
+def _range(found: Sequence[str]) -> str:
+    """The lowest and the highest, once where they are the same."""
+    lowest, *_, highest = sorted(found, key=lambda one: float(one.rstrip("%")))
+    return lowest if lowest == highest else f"{lowest} to {highest}"
 
 
 def answers() -> str:
