@@ -63,7 +63,7 @@ class Teams:
 
     trainings: tuple[str, ...] = tuple(TRAININGS)
     """Which."""
-    seeds: tuple[int, ...] = (0, 1, 2)
+    seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
     """Training runs of each."""
     minutes: float = 30.0
     """Of the processor, after which no further training begins."""

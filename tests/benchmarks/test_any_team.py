@@ -28,7 +28,7 @@ def test_the_page_has_the_tables_of_what_is_saved():
 
 def test_every_saved_run_is_one_of_those_that_are_planned_today(tmp_path):
     planned = [*teams.planned(teams.Teams(out=tmp_path))]
-    assert len(planned) == 3 * len(teams.TRAININGS)
+    assert len(planned) == 5 * len(teams.TRAININGS)
     for run in teams.saved():
         assert any(teams.is_of(run, name, config) for name, config in planned), run
 

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+pytest.importorskip("tyro")
+
 from benchmarks.learning.failures import Ends, kind, reached
 from coopenv import Transport
 from coopenv.envs.registry import find_config

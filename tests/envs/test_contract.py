@@ -243,6 +243,8 @@ def without_news(core):
     quiet = np.zeros((core.num_agents, core.observation.size), dtype=bool)
     if "known" in blocks:  # what this team is told never changes
         quiet[:, blocks["known"]] = True
+    if "place" in blocks:  # nor does who holds it where
+        quiet[:, blocks["place"]] = True
     for name in ("goal", "near_goal"):
         if name in blocks:
             quiet[~told.any(axis=1), blocks[name]] = True
