@@ -22,14 +22,17 @@ def lighter() -> Iterator[None]:
     with ExitStack() as changed:
         changed.enter_context(_replaced(ir.Inst, "_rec_list_vars", _variables))
         changed.enter_context(_replaced(llvm.Type, "get_abi_size", _size))
-        lock = getattr(binding.ffi.lib, "_lock", None)
-        if hasattr(lock, "_cblist"):
-            changed.enter_context(_replaced(lock, "_cblist", []))
+        lock = getattr(getattr(binding.ffi, "lib", None), "_lock", None)
+        changed.enter_context(_replaced(lock, "_cblist", []))
         yield
 
 
 @contextmanager
 def _replaced(owner: Any, name: str, value: Any) -> Iterator[None]:
+    """Nothing is replaced in a numba that has no such thing."""
+    if not hasattr(owner, name):
+        yield
+        return
     before = getattr(owner, name)
     setattr(owner, name, value)
     try:
@@ -57,7 +60,7 @@ def _variables(instruction: Any, value: Any) -> list[Any]:
     return found
 
 
-_size_of = llvm.Type.get_abi_size
+_size_of: Any = getattr(llvm.Type, "get_abi_size", None)
 
 
 def _size(kind: Any, target_data: Any, context: Any = None) -> int:
