@@ -7,7 +7,7 @@ import numpy as np
 from coopenv.arrays import BoolArray, FloatArray
 from coopenv.compiled import compiled
 from coopenv.geometry.displacement import mean_twist
-from coopenv.wrench.shares import power_of, share_power
+from coopenv.wrench.shares import is_defined, power_of, share_power
 
 
 class Power(NamedTuple):
@@ -51,16 +51,16 @@ def power_over(
 @compiled
 def _write(applied, grips, pose, twist, next_pose, next_twist, dt, mean, share, defined, internal):
     """Write the fields of `Power`, of arguments as in `power_over`."""
-    num_agents = applied.shape[1]
     for k in range(len(applied)):
-        mean[k, 0], mean[k, 1], mean[k, 2] = mean_twist(
-            pose[k], twist[k], next_pose[k], next_twist[k], dt
-        )
-        for i in range(num_agents):
-            linear, angular = power_of(applied[k], grips[k], i, mean[k], None)
-            share[k, i] = linear + angular
-        internal[k] = max(share_power(share[k]), 0.0)  # below by rounding
-        defined[k] = not np.isnan(share[k, 0])
+        wrenches, places, parts = applied[k], grips[k], share[k]
+        motion = mean_twist(pose, twist, next_pose, next_twist, k, dt)
+        mean[k, 0], mean[k, 1], mean[k, 2] = motion
+        for i in range(len(parts)):
+            linear, angular = power_of(wrenches, places, i, motion, None)
+            parts[i] = linear + angular
+        passed = share_power(parts)
+        internal[k] = 0.0 if passed < 0.0 else passed  # below by rounding
+        defined[k] = is_defined(parts)
         if not defined[k]:
-            for i in range(num_agents):
-                share[k, i] = 1 / num_agents
+            for i in range(len(parts)):
+                parts[i] = 1 / len(parts)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from coopenv.compiled.lighter import lighter
 from coopenv.compiled.pipeline import Lean
 
 
@@ -30,5 +31,5 @@ class Entry(Lean):
 
     def compile_extra(self, func: Any) -> Any:
         """As numba does, which holds its lock meanwhile."""
-        with kept():
+        with kept(), lighter():
             return super().compile_extra(func)

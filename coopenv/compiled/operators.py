@@ -11,7 +11,7 @@ from typing import Any
 from numba import types
 from numba.core.typing.context import Context
 
-_OPERATORS = frozenset(value for value in vars(operator).values() if callable(value))
+_OPERATORS = frozenset((bool, *filter(callable, vars(operator).values())))
 
 
 class _Remembering(Context):
@@ -40,8 +40,12 @@ class Plain(types.Type):
 
 def _is_lasting(kind: Any) -> bool:
     """Whether nothing that is defined later changes what operators make of a type."""
-    return isinstance(kind, types.Number | types.Array | Plain)
+    if isinstance(kind, types.BaseTuple):  # an index
+        elements: Any = kind  # it can be gone through
+        return all(map(_is_lasting, elements))
+    return isinstance(kind, _LASTING)
 
 
+_LASTING = types.Number, types.Boolean, types.Array, types.SliceType, Plain
 remembering: Any = cache(_Remembering)  # one for each: numba remembers what it compiled for whom
 _known: dict[Any, Any] = {}

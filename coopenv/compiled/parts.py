@@ -103,12 +103,19 @@ _all_kept: dict[_Kept, _Kept] = {}
 class _Flags(Flags):
     """Flags of a part; numba gives a copy of them to all that it compiles for the part."""
 
-    __slots__ = ()
+    __slots__ = ("_copy",)
+
+    def __init__(self, copy_from: Flags):
+        super().__init__(copy_from)
+        self._copy: _Kept | None = None
 
     def copy(self) -> _Kept:
         """As they are now, to be kept."""
-        kept = _Kept(self)
-        return _all_kept.setdefault(kept, kept)
+        last = self._copy
+        if last is None or last._values != self._values:
+            kept = _Kept(self)
+            last = self._copy = _all_kept.setdefault(kept, kept)
+        return last
 
 
 class _Pipeline(Lean):

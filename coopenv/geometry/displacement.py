@@ -20,7 +20,7 @@ def turned(angle, spin, next_angle, next_spin, dt):
 
 
 @inlined
-def mean_twist(pose, twist, next_pose, next_twist, dt):
+def mean_twist(pose, twist, next_pose, next_twist, k, dt):
     """Mean over a step of the velocity of the centre of mass and the spin, object frame.
 
     (1/dt) ∫ (R(θ)ᵀ v, ω) dt, whose product with a wrench that is held in the object frame is the
@@ -31,7 +31,9 @@ def mean_twist(pose, twist, next_pose, next_twist, dt):
     Parameters
     ----------
     pose, twist, next_pose, next_twist
-        ``(3,)`` each, at the beginning and at the end, world frame; angles may be wrapped.
+        ``(world, 3)`` each, at the beginning and at the end, world frame; angles may be wrapped.
+    k
+        Index of the world.
     dt
         Of the step [s].
 
@@ -39,13 +41,13 @@ def mean_twist(pose, twist, next_pose, next_twist, dt):
     -------
     Three numbers [m/s, m/s, rad/s].
     """
-    spin, next_spin = twist[2], next_twist[2]
-    turn = turned(pose[2], spin, next_pose[2], next_spin, dt)
+    angle, spin, next_spin = pose[k, 2], twist[k, 2], next_twist[k, 2]
+    turn = turned(angle, spin, next_pose[k, 2], next_spin, dt)
     rate = 1 / dt
-    vx, vy = rate * (next_pose[0] - pose[0]), rate * (next_pose[1] - pose[1])
-    dvx, dvy = next_twist[0] - twist[0], next_twist[1] - twist[1]
+    vx, vy = rate * (next_pose[k, 0] - pose[k, 0]), rate * (next_pose[k, 1] - pose[k, 1])
+    dvx, dvy = next_twist[k, 0] - twist[k, 0], next_twist[k, 1] - twist[k, 1]
     even, odd = _means(turn)
-    angle = pose[2] + turn / 2 - dt * (next_spin - spin) * (1 / 12)  # its mean over the step
+    angle = angle + turn / 2 - dt * (next_spin - spin) * (1 / 12)  # its mean over the step
     x, y = rotated_back(np.cos(angle), np.sin(angle), even * vx + odd * dvy, even * vy - odd * dvx)
     return x, y, rate * turn
 

@@ -148,7 +148,8 @@ def _normalise(parts, resultant, magnitude):
 
 
 @inlined
-def _is_defined(share):
+def is_defined(share):
+    """Whether shares are numbers."""
     return not np.isnan(share[0])
 
 
@@ -217,7 +218,7 @@ def load_share_kernel(applied, grips, force_share, torque_share):
 def write_share_or_even(applied, grips, force_share, torque_share, spatial):
     """Write load shares, 1/n where they are undefined; returns whether they are defined."""
     _share(applied, grips, force_share, torque_share, spatial)
-    force_defined, torque_defined = _is_defined(force_share), _is_defined(torque_share)
+    force_defined, torque_defined = is_defined(force_share), is_defined(torque_share)
     even = 1 / force_share.shape[0]
     for i in range(force_share.shape[0]):
         force_share[i] = force_share[i] if force_defined else even

@@ -59,6 +59,20 @@ def test_what_an_operator_makes_of_types_is_asked_once(asked):
     assert sum(products) <= 1  # none if another kernel has asked before
 
 
+def test_what_an_index_makes_of_an_array_is_asked_once(asked):
+    @inlined
+    def part(array, k):
+        return array[k, 0] + array[k, 1]
+
+    @compiled
+    def entry(array, k):
+        return part(array, k) + array[k, 0] * array[k, 1] + array[k][0]
+
+    assert entry(np.array([[1.0, 2.0], [3.0, 5.0]]), 1) == 3 + 5 + 15 + 3
+    reads = [count for (called, *_), count in asked.items() if called is operator.getitem]
+    assert all(count == 1 for count in reads)
+
+
 def test_what_an_operator_cannot_do_is_refused_every_time():
     @compiled
     def shifted(x, y):

@@ -10,7 +10,7 @@ from coopenv.geometry.displacement import mean_twist
 
 @compiled
 def _mean(pose, twist, next_pose, next_twist, dt):
-    return mean_twist(pose, twist, next_pose, next_twist, dt)
+    return mean_twist(pose, twist, next_pose, next_twist, 0, dt)
 
 
 @pytest.mark.parametrize("turn", [0.01, 0.3, 0.49, 0.499999, 0.500001, 0.8, 2.0])
@@ -25,8 +25,8 @@ def test_a_body_that_turns_and_speeds_up_evenly_has_its_exact_mean(turn):
 
     moved = dt * (begin + end) / 2
     found = _mean(
-        np.array([0.0, 0.0, 0.3]), np.array([*begin, spin]),
-        np.array([*moved, 0.3 + turn]), np.array([*end, spin]), dt,
+        np.array([[0.0, 0.0, 0.3]]), np.array([[*begin, spin]]),
+        np.array([[*moved, 0.3 + turn]]), np.array([[*end, spin]]), dt,
     )  # fmt: skip
     expected = [quad(lambda s, k=k: along(k, s), 0, 1, epsabs=1e-14)[0] for k in (0, 1)]
     np.testing.assert_allclose(found, [*expected, spin], rtol=0, atol=1e-12)
