@@ -17,8 +17,8 @@ from coopenv.files import reading, written
 from . import partners
 from .environment import EnvironmentChoice
 from .environment.overrides import values_of
+from .environment.teams import read_teams
 from .seeds import BLOCK, training_seeds
-from .training.teams import read_teams
 
 MOST = {  # beyond, numbers overflow, worlds share seeds, or no training comes to its end
     "steps": 10**12,

@@ -13,6 +13,7 @@ from coopenv.files import locked, sweep, writing
 from . import curves
 from .curves import Row
 from .environment import EnvironmentChoice
+from .environment.teams import team_configs
 from .learned.finite import has_diverged, require_finite
 from .provenance import Provenance
 from .sb3 import SB3Policy, TeamsVecEnv, TransportVecEnv
@@ -24,7 +25,6 @@ from .training.folder import LOG, SETTINGS, clear, require_room
 from .training.hyperparameters import feature_scale, ppo_settings
 from .training.progress import Progress, Watch
 from .training.target import Reached, Target
-from .training.teams import team_configs
 from .training.threads import torch_threads
 
 try:

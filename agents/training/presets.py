@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 from ..environment import EnvironmentChoice
+from ..environment.teams import seen_in_any_team
 from ..settings import TrainConfig
-from .teams import seen_in_any_team
 
 _THOROUGH = {"num_worlds": 64, "rollout": 128, "epochs": 10}  # twice the gradient steps
 
@@ -42,7 +42,7 @@ def observing(config: TrainConfig) -> TrainConfig:
     """A run with the blocks that a training of its id needs, unless it says what is observed.
 
     One of teams of several sizes has none whose size grows with the team, and those of
-    `coopenv.agents.training.teams.OF_ANY_TEAM`.
+    `coopenv.agents.environment.teams.OF_ANY_TEAM`.
 
     Parameters
     ----------

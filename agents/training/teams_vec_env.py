@@ -13,9 +13,9 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput, MissingExtra
 from coopenv.transport import Transport
 
+from ..environment.teams import read_teams, team_configs, worlds_of
 from ..provenance import Provenance
 from ..vec_env import TransportVecEnv
-from .teams import read_teams, team_configs, worlds_of
 
 try:
     from stable_baselines3.common.vec_env import VecEnv

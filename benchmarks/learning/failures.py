@@ -45,7 +45,9 @@ class Ends:
     last: FloatArray = field(default_factory=lambda: np.empty((0, 3)))  # of the batch under way
     all: list[FloatArray] = field(default_factory=list)  # (episode, 3) each
 
-    def add(self, transition: Transition, info: Info, running: BoolArray) -> None:
+    def add(
+        self, transition: Transition, reward: FloatArray, info: Info, running: BoolArray
+    ) -> None:
         """A step of the worlds that are ``running``."""
         if len(self.last) != len(running):
             self.last = np.full((len(running), 3), np.inf)
@@ -83,7 +85,7 @@ def failures(asked: Failures) -> Counter[str]:
     assert provenance is not None
     ends = Ends()
     seen = run_episodes(
-        policy, provenance.config(), episodes=asked.episodes, seed=asked.evaluation, watcher=ends
+        policy, provenance.config(), episodes=asked.episodes, seed=asked.evaluation, recorder=ends
     )
     return Counter(kind(end) for end in np.concatenate(ends.all)[~seen.success])
 

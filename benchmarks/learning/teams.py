@@ -21,12 +21,12 @@ from rich.console import Console
 
 from benchmarks.pages import DOCS, fill, markdown
 from coopenv.agents.environment import with_team
+from coopenv.agents.environment.teams import OF_ANY_TEAM
 from coopenv.agents.evaluate import Evaluation, evaluate
 from coopenv.agents.policy import Policy
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
 from coopenv.agents.train import train
 from coopenv.agents.training.presets import observing
-from coopenv.agents.training.teams import OF_ANY_TEAM
 from coopenv.agents.training.threads import torch_threads
 from coopenv.config import TransportConfig
 from coopenv.files import written

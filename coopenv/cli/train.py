@@ -121,8 +121,8 @@ class Train:
     def _compared(self, trained: "Policy", config: TransportConfig) -> "list[Evaluation]":
         """The trained, a random and the scripted policy, in each of the teams if there are some."""
         from coopenv.agents.controllers import RandomPolicy, find_controller
+        from coopenv.agents.environment.teams import team_configs
         from coopenv.agents.evaluate import compare
-        from coopenv.agents.training.teams import team_configs
 
         seen = []
         for each in team_configs(config, self.training.teams):

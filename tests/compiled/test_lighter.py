@@ -1,5 +1,7 @@
 """What numba does in less time while it compiles a kernel of ours comes to the same."""
 
+from typing import Any
+
 import numpy as np
 from llvmlite import binding
 from llvmlite import ir as llvm
@@ -33,7 +35,8 @@ def test_the_variables_of_instructions_are_those_that_numba_finds():
 
 
 def test_the_sizes_of_types_are_those_that_llvm_tells():
-    data, word, byte = cpu_target.target_context.target_data, llvm.IntType(64), llvm.IntType(8)
+    target: Any = cpu_target.target_context
+    data, word, byte = target.target_data, llvm.IntType(64), llvm.IntType(8)
     kinds = [byte, word, llvm.ArrayType(byte, 3), llvm.LiteralStructType([byte, word])]
     told = [kind.get_abi_size(data) for kind in kinds]
     with lighter():

@@ -5,7 +5,7 @@ import operator
 import numpy as np
 import pytest
 from numba import TypingError
-from numba.core.typing import Context
+from numba.core.typing.context import Context
 
 from coopenv.compiled import compiled, inlined
 

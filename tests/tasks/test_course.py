@@ -78,6 +78,7 @@ def test_what_it_tells_is_what_the_distance_counts(x, y, turn, goal_x, goal_y, g
 
 def test_round_an_obstacle_it_leads_to_a_corner():
     obs, _ = CORE.reset(seed=range(1))
+    assert CORE.transition is not None
     pose, goal = CORE.transition.next_state.pose, CORE.transition.next_state.goal
     straight = np.arctan2(goal[0, 1] - pose[0, 1], goal[0, 0] - pose[0, 0])
     ahead = np.pi - (np.pi - (straight - pose[0, 2])) % (2 * np.pi)

@@ -9,7 +9,7 @@ from coopenv.errors import InvalidInput
 from coopenv.observation import Entry
 from coopenv.observation.observation import find_block
 
-from ..environment.overrides import with_team
+from .overrides import with_team
 
 OF_ANY_TEAM = ("near_goal", "others_wrench", "place")
 """Blocks that a policy of any team sees beside those that it has of its environment."""
