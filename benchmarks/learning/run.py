@@ -13,15 +13,12 @@ APART = ("environment", "control", "seed", "threads", "checkpoint_every", "out")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """A training, and what its policy does."""
+class Outcome:
+    """What a training cost, and what its policy does."""
 
     env: str  # without "coopenv/" and version
-    control: str
-    partner: str | None = None  # who is beside the learner
-    action: str | None = None  # None: as the environment has it
     seed: int
-    settings: Mapping[str, Any]  # of `TrainConfig`
+    settings: Mapping[str, Any]  # of what learns
     steps: int  # that were done
     seconds: float  # of the processor, imports aside
     reached: tuple[float | None, ...]  # [s] until each of the levels; None where it never was
@@ -29,6 +26,15 @@ class Run:
     sampled: float  # of sampled ones
     time: float | None  # [s] of the episodes that succeed
     relative_cost: float  # γ
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Outcome):
+    """A training of PPO, whose settings are of `TrainConfig`."""
+
+    control: str
+    partner: str | None = None  # who is beside the learner
+    action: str | None = None  # None: as the environment has it
 
     @property
     def name(self) -> str:

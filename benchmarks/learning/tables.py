@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import gymnasium
 
-from benchmarks.learning.run import Run
+from benchmarks.learning.run import Outcome, Run
 from benchmarks.pages import markdown
 from coopenv.agents.partners import PARTNERS
 from coopenv.envs.registry import PREFIX
@@ -60,7 +60,7 @@ def row(run: Run) -> tuple[str, ...]:
     return (run.env, run.control, *figures(run))
 
 
-def figures(run: Run) -> tuple[str, ...]:
+def figures(run: Outcome) -> tuple[str, ...]:
     """Cells of what a run did."""
     return (
         f"{run.seed}",

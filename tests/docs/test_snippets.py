@@ -14,7 +14,8 @@ from coopenv.files import toml
 from coopenv.warming import decompositions, environments
 from tests.docs.snippets import PAGES, ROOT, Snippet, chains, printed, running, snippets
 
-CHAINS = [chain for page in PAGES for chain in chains(page)]
+TEAMS = ROOT / "docs" / "training" / "teams.md"  # its commands train for a minute each
+CHAINS = [chain for page in (*PAGES, TEAMS) for chain in chains(page)]
 COMMAND_LINES = [  # of blocks; the name before the command sets the environment, as in a shell
     (snippet, line)
     for page in PAGES

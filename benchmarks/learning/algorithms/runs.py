@@ -2,12 +2,12 @@
 
 import json
 import time
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any, Literal
 
 from benchmarks.learning.baselines import EPISODES, LEVELS, reached
+from benchmarks.learning.run import Outcome
 from benchmarks.pages import DOCS
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.training.presets import train_config
@@ -21,20 +21,10 @@ NAMES: tuple[Name, ...] = ("sac", "mappo", "recurrent")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """A training, and what its policy does."""
+class Run(Outcome):
+    """A training, whose settings are of the algorithm's module."""
 
     algorithm: Name
-    env: str  # without "coopenv/" and version
-    seed: int
-    settings: Mapping[str, Any]  # of the algorithm's module
-    steps: int  # control steps that were done
-    seconds: float  # of the processor, imports aside
-    reached: tuple[float | None, ...]  # [s] until each of `LEVELS`; None where it never was
-    success: float  # of its mean actions
-    sampled: float  # of sampled ones
-    time: float | None  # [s] of the episodes that succeed
-    relative_cost: float  # γ
 
 
 def settings_of(name: Name, env: str) -> dict[str, Any]:

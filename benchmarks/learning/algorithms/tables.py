@@ -5,15 +5,13 @@ from statistics import median
 
 from benchmarks.learning import baselines
 from benchmarks.learning.algorithms.runs import NAMES, Name, Run
+from benchmarks.learning.run import Outcome
+from benchmarks.learning.tables import FIGURES, NONE, REACHED, figures
 from benchmarks.pages import DOCS, markdown
 
 PAGE = DOCS / "training" / "algorithms.md"
-NONE = "None of these runs is finished yet."  # in the place of a table without rows
 TITLES: dict[Name, str] = {"sac": "SAC", "mappo": "MAPPO", "recurrent": "recurrent PPO"}
-COLUMNS = (
-    *("environment", "algorithm", "seed", "success", "sampled", "time [s]", "γ"),
-    *("control steps", "CPU s", "to 90 %", "to 98 %"),
-)
+COLUMNS = ("environment", "algorithm", *FIGURES, *REACHED)
 
 
 def table(runs: Sequence[Run]) -> str:
@@ -33,18 +31,7 @@ def placed(runs: Sequence[Run]) -> list[Run]:
 
 def row(run: Run) -> tuple[str, ...]:
     """Cells of a run."""
-    return (
-        run.env,
-        TITLES[run.algorithm],
-        f"{run.seed}",
-        f"{run.success:.1%}",
-        f"{run.sampled:.1%}",
-        "–" if run.time is None else f"{run.time:.1f}",
-        f"{run.relative_cost:.3f}",
-        f"{run.steps:,}",
-        f"{run.seconds:.0f}",
-        *(_seconds(at) for at in run.reached),
-    )
+    return (run.env, TITLES[run.algorithm], *figures(run))
 
 
 def cost(runs: Sequence[Run]) -> str:
@@ -65,7 +52,7 @@ def cost(runs: Sequence[Run]) -> str:
     return markdown(columns, rows)
 
 
-def _until(runs: Iterable[Run | baselines.Run]) -> str:
+def _until(runs: Iterable[Outcome]) -> str:
     """The median over runs until the last level; how many got there where not all did."""
     times = [run.reached[-1] for run in runs]
     there = [at for at in times if at is not None]
@@ -75,7 +62,3 @@ def _until(runs: Iterable[Run | baselines.Run]) -> str:
         return "–"
     some = f" ({len(there)} of {len(times)})" if len(there) < len(times) else ""
     return f"{median(there):.0f}{some}"
-
-
-def _seconds(at: float | None) -> str:
-    return "–" if at is None else f"{at:.0f}"
