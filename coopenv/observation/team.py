@@ -6,6 +6,7 @@ from coopenv.arrays import FloatArray
 from coopenv.geometry.frames import rotated_back
 from coopenv.observation.block import Block
 from coopenv.transition import Transition
+from coopenv.wrench.grasp import moment
 
 
 def _others_wrench(transition: Transition) -> FloatArray:
@@ -14,11 +15,10 @@ def _others_wrench(transition: Transition) -> FloatArray:
     Force Σ f_j and torque Σ (t_j + (r_j − r_i) × f_j) over the others j ≠ i; 0 of an agent alone.
     """
     applied, team = transition.applied, transition.team
-    x, y = team.grips[..., 0], team.grips[..., 1]  # (world, agent) [m]
     about_centre = applied.copy()
-    about_centre[..., 2] += x * applied[..., 1] - y * applied[..., 0]
+    about_centre[..., 2:] += moment(team.grips, applied)
     others = about_centre.sum(axis=1, keepdims=True) - about_centre
-    torque = others[..., 2] - (x * others[..., 1] - y * others[..., 0])
+    torque = others[..., 2] - moment(team.grips, others)[..., 0]
     frame = team.frame
     force = rotated_back(frame[..., 0], frame[..., 1], others[..., 0], others[..., 1])
     return np.stack([*force, torque], axis=-1)
