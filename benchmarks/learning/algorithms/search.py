@@ -1,45 +1,58 @@
-"""Search of SAC's settings: ``python -m benchmarks.learning.algorithms.search [--write]``.
+"""Search of each algorithm's settings: ``python -m benchmarks.learning.algorithms.search``.
 
-A trial trains BeamTransport from `START` with what is changed, for at most `SECONDS` of the
-processor. Its policy is tested on held-out episodes of the search's own; seeds of trainings are no
-others' either. Trials that docs/training/algorithms/search.json holds are not run again. Several
-processes may run at a time if each is given other trials. ``--write`` puts the table of all of them
-into docs/training/algorithms.md.
+A trial trains in an environment with what is changed of the start, for the control steps of its
+`Space`. Its policy is tested on held-out episodes of the search's own; seeds of trainings are no
+others' either. Trials that docs/training/algorithms/search holds are not run again. Two processes
+may run at a time if no algorithm with an environment is of both. ``--write`` puts the tables into
+docs/training/algorithms.md.
 """
 
 import json
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from importlib import import_module
 from typing import Any
 
 import tyro
 from rich.console import Console
 
-from benchmarks.learning.algorithms import sac
-from benchmarks.learning.algorithms.runs import FOLDER
-from benchmarks.learning.algorithms.space import CHANGES, SEED, START
-from benchmarks.learning.algorithms.tables import NONE, PAGE
-from benchmarks.learning.baselines import LEVELS, reached
+from benchmarks.learning.algorithms.runs import FOLDER, NAMES, Name
+from benchmarks.learning.algorithms.space import OF, SEED, Changed
+from benchmarks.learning.algorithms.tables import NONE, PAGE, TITLES
+from benchmarks.learning.baselines import LEVELS, names, reached
 from benchmarks.pages import fill, markdown
 from coopenv.agents.evaluate import evaluate
-from coopenv.agents.settings import EnvironmentChoice
+from coopenv.agents.training.presets import train_config
 from coopenv.agents.training.threads import torch_threads
 from coopenv.envs.registry import PREFIX
 from coopenv.files import written
 
-FILE = FOLDER / "search.json"
-ENV = "BeamTransport"
-SECONDS = 80.0  # of the processor, after which a trial is given up
+TRIALS = FOLDER / "search"
 EVALUATION, EPISODES = 3, 250  # held-out episodes of the search
-COLUMNS = ("changed", "control steps", "CPU s", "to 90 %", "to 98 %", "success", "sampled", "γ")
+SLACK = 0.01  # of the success rate, within which the quicker trial is taken
+COLUMNS = (
+    "environment",
+    "algorithm",
+    "changed",
+    "control steps",
+    "CPU s",
+    "to 90 %",
+    "to 98 %",
+    "success",
+    "sampled",
+    "γ",
+    "taken",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
     """A training that was tried, and what came of it."""
 
-    changed: Mapping[str, Any]  # of `START`
+    algorithm: Name
+    env: str
+    changed: Changed  # of the start of the `Space`
     steps: int  # control steps that were done
     seconds: float  # of the processor
     reached: tuple[float | None, ...]  # [s] until each of `LEVELS`; None where it never was
@@ -52,25 +65,31 @@ class Trial:
 class Search:
     """Run what is lacking of the search."""
 
-    only: tuple[int, ...] = ()
-    """Numbers of trials, from 0; none: all."""
-    minutes: float = 15.0
+    only: tuple[Name, ...] = NAMES
+    """Algorithms."""
+    envs: tuple[str, ...] = ()
+    """Names such as BeamLift; none: all."""
+    minutes: float = 60.0
     """Of the processor, after which no further trial begins."""
     write: bool = False
-    """Put the table into docs/training/algorithms.md."""
+    """Put the tables into docs/training/algorithms.md."""
 
 
-def run(changed: Mapping[str, Any]) -> Trial:
+def run(name: Name, env: str, changed: Changed) -> Trial:
     """Train once and test."""
-    recipe = replace(START, **changed)
-    environment = EnvironmentChoice(env=f"{PREFIX}{ENV}-v0").config()
+    module = import_module(f"{__package__}.{name}")
+    settings = {**module.settings(env), **OF[name].settings(env, changed)}
+    environment = train_config(f"{PREFIX}{env}-v0").environment.config()
     with torch_threads(1):
-        policy, curve = sac.learn(ENV, SEED, asdict(recipe), SECONDS)
-        seconds = curve.seconds
+        began = time.process_time()
+        policy, curve = module.learn(env, SEED, settings)
+        seconds = time.process_time() - began
         seen = evaluate(policy, environment, episodes=EPISODES, seed=EVALUATION)
     assert seen.sampled_success_rate is not None
-    whole = recipe.num_worlds * environment.horizon
+    whole = curve.num_worlds * environment.horizon
     return Trial(
+        algorithm=name,
+        env=env,
         changed=dict(changed),
         steps=curve.steps,
         seconds=round(seconds, 1),
@@ -81,52 +100,97 @@ def run(changed: Mapping[str, Any]) -> Trial:
     )
 
 
-def saved() -> list[Trial]:
-    """What was tried so far."""
-    if not FILE.exists():
-        return []
-    given = json.loads(FILE.read_text(encoding="utf-8"))
+def saved(name: str = "*", env: str = "*") -> list[Trial]:
+    """What was tried so far, of one algorithm and environment or of all."""
+    given = [
+        each
+        for file in sorted(TRIALS.glob(f"{name}_{env}.json"))
+        for each in json.loads(file.read_text(encoding="utf-8"))
+    ]
     return [Trial(**{**each, "reached": tuple(each["reached"])}) for each in given]
 
 
 def save(trial: Trial) -> None:
-    """Write a trial behind the others, one a line."""
-    lines = ",\n".join(json.dumps(asdict(one)) for one in [*saved(), trial])
-    with written(FILE) as part:
+    """Write a trial behind the others of its algorithm and environment, one a line."""
+    every = [*saved(trial.algorithm, trial.env), trial]
+    lines = ",\n".join(json.dumps(asdict(one)) for one in every)
+    TRIALS.mkdir(parents=True, exist_ok=True)
+    with written(TRIALS / f"{trial.algorithm}_{trial.env}.json") as part:
         part.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+
+
+def planned(asked: Search) -> Iterator[tuple[Name, str, Changed]]:
+    """Algorithm, environment and changes of every trial."""
+    for env in asked.envs or names():
+        for name in asked.only:
+            for changed in OF[name].changes:
+                yield name, env, changed
 
 
 def search(asked: Search, tell: Callable[[str], None] = print) -> list[Trial]:
     """Run the trials that are lacking, until so many minutes of the processor are spent."""
     began = time.process_time()
-    for number in asked.only or range(len(CHANGES)):
-        if any(trial.changed == CHANGES[number] for trial in saved()):
+    for name, env, changed in planned(asked):
+        if any(trial.changed == changed for trial in saved(name, env)):
             continue
-        if time.process_time() - began > 60 * asked.minutes:
+        if time.process_time() - began >= 60 * asked.minutes:
             tell("the budget is spent; the same command goes on")
             break
-        made = run(CHANGES[number])
+        made = run(name, env, changed)
         save(made)
         tell(json.dumps(asdict(made)))
     return saved()
 
 
-def table(trials: list[Trial]) -> str:
+def taken(trials: Sequence[Trial]) -> Trial:
+    """Of the trials that succeed as often as the best does, or nearly, the quickest to 98 %.
+
+    Where none came to 98 %, the one that succeeds most often.
+    """
+    best = max(trial.success for trial in trials)
+    near = [trial for trial in trials if trial.success >= best - SLACK]
+
+    def place(trial: Trial) -> tuple[float, float]:
+        last = trial.reached[-1]
+        return float("inf") if last is None else last, -trial.success
+
+    return min(near, key=place)
+
+
+def table(trials: Sequence[Trial]) -> str:
     """One row a trial, in the order of the space; a sentence where there is none."""
-    order = [trial for change in CHANGES for trial in trials if trial.changed == change]
-    return markdown(COLUMNS, [_row(trial) for trial in order]) if order else NONE
+    rows: list[tuple[str, ...]] = []
+    for env in names():
+        for name in NAMES:
+            mine = [one for one in trials if (one.env, one.algorithm) == (env, name)]
+            best = taken(mine) if mine else None
+            order = [one for change in OF[name].changes for one in mine if one.changed == change]
+            rows += [_row(one, is_taken=one is best) for one in order]
+    return markdown(COLUMNS, rows) if rows else NONE
 
 
-def _row(trial: Trial) -> tuple[str, ...]:
+def _row(trial: Trial, *, is_taken: bool) -> tuple[str, ...]:
     return (
-        ", ".join(f"{name} {value}" for name, value in trial.changed.items()) or "nothing",
+        trial.env,
+        TITLES[trial.algorithm],
+        _told(trial.changed),
         f"{trial.steps:,}",
         f"{trial.seconds:.0f}",
         *("–" if at is None else f"{at:.0f}" for at in trial.reached),
         f"{trial.success:.1%}",
         f"{trial.sampled:.1%}",
         f"{trial.relative_cost:.3f}",
+        "×" if is_taken else "",
     )
+
+
+def _told(changed: Changed) -> str:
+    return ", ".join(f"{name} {value}" for name, value in changed.items()) or "nothing"
+
+
+def settings_taken(name: Name, env: str) -> dict[str, Any]:
+    """What the search changes in an environment."""
+    return dict(taken(saved(name, env)).changed)
 
 
 def main() -> None:

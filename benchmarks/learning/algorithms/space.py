@@ -1,43 +1,87 @@
-"""What is tried in the search of SAC's settings: one factor at a time, and some together."""
+"""What is tried in the search of each algorithm's settings: one factor at a time, in every task."""
 
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from typing import Any
 
+from benchmarks.learning.algorithms.runs import Name
 from benchmarks.learning.algorithms.sac import Recipe
 
 SEED = 100  # of trainings that no table has
-START = Recipe(
-    steps=200_000,
-    num_worlds=64,
-    gradient_steps=2,
-    batch_size=256,
-    learning_rate=1e-3,
-    falling=False,
-    discount=0.98,
-    entropy="auto_0.1",
-    target_entropy="auto",
-    hidden=(64, 64),
-    tau=0.01,
-    random_steps=5_000,
-    n_steps=1,
-    buffer=300_000,
-    scaled=True,
-)
-DEFAULTS: Mapping[str, Any] = {  # of Stable-Baselines3
-    "gradient_steps": 1,
-    "learning_rate": 3e-4,
-    "discount": 0.99,
-    "entropy": "auto",
-    "hidden": [256, 256],
-    "tau": 0.005,
-    "random_steps": 100,
-    "scaled": False,
+
+Changed = Mapping[str, Any]  # settings of a trial that are not those of the start
+
+
+@dataclass(frozen=True, kw_only=True)
+class Space:
+    """Trials of an algorithm, the same in every environment but for their length."""
+
+    steps_name: str  # of the setting that says how long a training is
+    steps: Mapping[str, int]  # control steps of a trial, by environment
+    start: Mapping[str, Any]
+    changes: tuple[Changed, ...]
+
+    def settings(self, env: str, changed: Changed) -> dict[str, Any]:
+        """Those of a trial."""
+        return {**self.start, self.steps_name: self.steps[env], **changed}
+
+
+OF: Mapping[Name, Space] = {
+    "sac": Space(
+        steps_name="steps",
+        steps={
+            "BeamTransport": 60_000,
+            "BeamTracking": 60_000,
+            "WalkerTurn": 200_000,
+            "BeamDoorway": 300_000,
+            "WalkerAvoid": 200_000,
+            "BeamLift": 200_000,
+        },
+        start={name: value for name, value in asdict(Recipe(steps=1)).items() if name != "steps"},
+        changes=({}, {"discount": 0.99}, {"gradient_steps": 4}, {"entropy": "auto_0.1"}),
+    ),
+    "mappo": Space(
+        steps_name="total_steps",
+        steps={
+            "BeamTransport": 200_000,
+            "BeamTracking": 200_000,
+            "WalkerTurn": 600_000,
+            "BeamDoorway": 800_000,
+            "WalkerAvoid": 600_000,
+            "BeamLift": 600_000,
+        },
+        start={
+            "num_worlds": 256,
+            "rollout": 32,
+            "epochs": 5,
+            "minibatch": 512,
+            "learning_rate": 1e-3,
+        },
+        changes=({}, {"minibatch": 2048}, {"epochs": 10}, {"learning_rate": 5e-4}),
+    ),
+    "recurrent": Space(
+        steps_name="steps",
+        steps={
+            "BeamTransport": 200_000,
+            "BeamTracking": 200_000,
+            "WalkerTurn": 400_000,
+            "BeamDoorway": 700_000,
+            "WalkerAvoid": 500_000,
+            "BeamLift": 900_000,
+        },
+        start={
+            "num_worlds": 256,
+            "rollout": 32,
+            "epochs": 5,
+            "batch_size": 2048,
+            "learning_rate": 1e-3,
+            "units": 64,
+        },
+        changes=(
+            {},
+            {"num_worlds": 64, "rollout": 128, "epochs": 10},
+            {"epochs": 10},
+            {"batch_size": 512},
+        ),
+    ),
 }
-CHANGES: tuple[Mapping[str, Any], ...] = (
-    {},
-    {"entropy": 0.02},
-    {"entropy": 0.02, "falling": True, "steps": 100_000},
-    {"entropy": 0.02, "n_steps": 3},
-    {"entropy": 0.02, "learning_rate": 2e-3, "gradient_steps": 1, "batch_size": 512},
-    DEFAULTS,
-)
