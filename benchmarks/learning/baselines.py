@@ -25,6 +25,7 @@ from pathlib import Path
 import tyro
 from rich.console import Console
 
+from benchmarks.learning.budget import lacking
 from benchmarks.learning.run import Run, configured, is_of, settings_of
 from benchmarks.learning.tables import hands, names, partners, row, table
 from benchmarks.pages import DOCS, fill
@@ -143,13 +144,11 @@ def planned(asked: Baselines) -> Iterator[tuple[str, TrainConfig]]:
 
 def run_all(asked: Baselines, tell: Callable[[str], None] = print) -> list[Run]:
     """Run what is lacking, until so many minutes of the processor are spent."""
-    began = time.process_time()
-    for env, config in planned(asked):
-        if any(is_of(run, env, config) for run in saved()):
-            continue
-        if time.process_time() - began >= 60 * asked.minutes:
-            tell("the budget is spent; the same command goes on")
-            break
+
+    def is_done(piece: tuple[str, TrainConfig]) -> bool:
+        return any(is_of(run, *piece) for run in saved())
+
+    for env, config in lacking(planned(asked), is_done, asked.minutes, tell):
         made = learn(config, env)
         save(made)
         tell(json.dumps(made.to_dict()))

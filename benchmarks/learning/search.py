@@ -20,6 +20,7 @@ from typing import Any
 import tyro
 from rich.console import Console
 
+from benchmarks.learning.budget import lacking
 from benchmarks.learning.stages import SEEDS, STAGES, WARM
 from benchmarks.pages import DOCS, fill, markdown
 from coopenv.agents.evaluate import evaluate
@@ -122,13 +123,11 @@ def search(minutes: float, tell: Callable[[str], None] = print) -> list[Trial]:
     """Run the trials that are lacking, until so many minutes of the processor are spent."""
     trials = saved()
     run(WARM, 0)  # what is imported or compiled at first use
-    began = time.process_time()
-    for stage, settings, seed in planned():
-        if any(_is_of(trial, settings, seed) for trial in trials):
-            continue
-        if time.process_time() - began > 60 * minutes:
-            tell("the budget is spent; the same command goes on")
-            break
+
+    def is_done(piece: tuple[str, Settings, int]) -> bool:
+        return any(_is_of(trial, *piece[1:]) for trial in trials)
+
+    for stage, settings, seed in lacking(planned(), is_done, minutes, tell):
         trials.append(run(settings, seed))
         save(trials)
         tell(f"{stage}: {json.dumps(_written(trials[-1]))}")

@@ -19,6 +19,7 @@ import numpy as np
 import tyro
 from rich.console import Console
 
+from benchmarks.learning.budget import lacking
 from benchmarks.pages import DOCS, fill, markdown
 from coopenv.agents.environment import with_team
 from coopenv.agents.environment.teams import OF_ANY_TEAM
@@ -154,13 +155,12 @@ def planned(asked: Teams) -> Iterator[tuple[str, TrainConfig]]:
 
 def run_all(asked: Teams, tell: Callable[[str], None] = print) -> list[Run]:
     """Run what is lacking, until so many minutes of the processor are spent."""
-    began = time.process_time()
-    for training, config in planned(asked):
-        if any(is_of(run, training, config) for run in saved(f"{training}_{config.seed}")):
-            continue
-        if time.process_time() - began >= 60 * asked.minutes:
-            tell("the budget is spent; the same command goes on")
-            break
+
+    def is_done(piece: tuple[str, TrainConfig]) -> bool:
+        training, config = piece
+        return any(is_of(run, training, config) for run in saved(f"{training}_{config.seed}"))
+
+    for training, config in lacking(planned(asked), is_done, asked.minutes, tell):
         made = learn(config, training)
         save(made)
         tell(json.dumps(asdict(made)))

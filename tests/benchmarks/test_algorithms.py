@@ -15,10 +15,11 @@ from benchmarks.learning import baselines
 from benchmarks.learning.algorithms import __main__ as command
 from benchmarks.learning.algorithms import mappo, recurrent, runs, sac, search, tables
 from benchmarks.learning.algorithms.curve import EVERY, Curve
-from benchmarks.learning.algorithms.space import CHANGES, SEED, START
+from benchmarks.learning.algorithms.space import OF, SEED
 from benchmarks.pages import filled
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.sb3 import feature_scale, make_vec_env
+from coopenv.agents.seeds import STOPPING
 from tests.agents.training.cases import SHORT
 from tests.docs.snippets import Snippet, chains, running
 
@@ -65,12 +66,28 @@ def test_every_run_has_the_settings_that_the_command_has_today():
         assert command.is_of(run, run.algorithm, run.env, run.seed), run
 
 
-def test_every_trial_is_of_the_space_that_is_searched():
-    assert all(trial.changed in CHANGES for trial in search.saved())
-    for change in CHANGES:
-        replace(START, **change)
+def test_every_trial_is_of_the_space_that_is_searched_on_seeds_of_no_table():
+    for trial in search.saved():
+        assert trial.changed in OF[trial.algorithm].changes, trial
     seeds = {run.seed for run in runs.saved()} | {run.seed for run in baselines.saved()}
     assert SEED not in seeds
+    assert search.EVALUATION not in (0, STOPPING)
+
+
+def test_every_algorithm_is_searched_in_every_environment_with_settings_that_it_has():
+    for name, space in OF.items():
+        assert list(space.steps) == list(MODULES[name].OF)
+        assert set(space.steps) == set(baselines.names())
+        known = {*MODULES[name].settings("BeamLift"), space.steps_name}
+        assert all({*space.start, *change} <= known for change in space.changes)
+
+
+def test_settings_of_an_environment_are_those_that_the_search_takes():
+    for env in baselines.names():
+        for name, space in OF.items():
+            wanted = {**space.start, **search.taken(search.saved(name, env)).changed}
+            settings = runs.settings_of(name, env)
+            assert {key: settings[key] for key in wanted} == json.loads(json.dumps(wanted))
 
 
 def test_a_table_has_a_row_a_run_by_algorithm_and_seed_and_without_runs_there_is_none():
@@ -148,16 +165,46 @@ def test_actors_of_mappo_act_by_their_mean_or_by_samples_keyed_by_episode():
     assert not np.allclose(alone.reward, run_episodes(policy, SHORT, episodes=3).reward)
 
 
-def test_a_trial_ends_after_its_seconds_and_is_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(search, "FILE", tmp_path / "search.json")
+@pytest.mark.parametrize("name", runs.NAMES)
+def test_trials_are_made_of_what_is_lacking_and_kept(name, tmp_path, monkeypatch):
+    steps = {"BeamTransport": 64}
+    start = {key: value for key, value in TINY[name].items() if "steps" not in key}
+    space = replace(OF[name], steps=steps, start=start, changes=({}, {"learning_rate": 1e-4}))
+    monkeypatch.setattr(search, "OF", {**OF, name: space})
+    monkeypatch.setattr(search, "TRIALS", tmp_path)
     monkeypatch.setattr(search, "EPISODES", 2)
-    monkeypatch.setattr(search, "SECONDS", 0.0)
     told: list[str] = []
-    (trial,) = search.search(search.Search(only=(0,)), told.append)
-    assert trial.steps == START.num_worlds
-    assert search.search(search.Search(only=(0,)), told.append) == [trial]
-    assert len(told) == 1
-    assert search.table([trial]).splitlines()[-1].startswith("| nothing | 64 | ")
+    asked = search.Search(only=(name,), envs=("BeamTransport",))
+    trials = search.search(asked, told.append)
+    assert [trial.changed for trial in trials] == [{}, {"learning_rate": 1e-4}]
+    assert [trial.steps for trial in trials] == [64, 64]
+    assert search.search(replace(asked, minutes=0.0), told.append) == trials
+    assert told == [json.dumps(asdict(trial)) for trial in trials]
+    _, _, *rows = search.table(trials).splitlines()
+    assert [row.split(" | ")[2] for row in rows] == ["nothing", "learning_rate 0.0001"]
+    assert sum(row.endswith("| × |") for row in rows) == 1
+
+
+def trial(success: float, at: float | None, sampled: float = 0.5) -> search.Trial:
+    return search.Trial(
+        algorithm="sac",
+        env="BeamLift",
+        changed={},
+        steps=64,
+        seconds=1.0,
+        reached=(None, at),
+        success=success,
+        sampled=sampled,
+        relative_cost=0.1,
+    )
+
+
+def test_the_quickest_of_the_best_trials_is_taken_and_where_none_got_there_the_best():
+    quick, best, slow, poor = trial(0.99, 10.0), trial(1.0, 20.0), trial(1.0, 30.0), trial(0.5, 1.0)
+    assert search.taken([poor, slow, best, quick]) is quick
+    assert search.taken([poor, slow, best]) is best
+    never, nearly = trial(0.3, None), trial(0.295, None)
+    assert search.taken([nearly, never]) is never
 
 
 def example() -> Snippet:

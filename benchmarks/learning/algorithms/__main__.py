@@ -8,7 +8,6 @@ others now. Two processes may run at a time if no algorithm with an environment 
 """
 
 import json
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 
@@ -18,6 +17,7 @@ from rich.console import Console
 from benchmarks.learning.algorithms import search, tables
 from benchmarks.learning.algorithms.runs import NAMES, Name, Run, learn, save, saved, settings_of
 from benchmarks.learning.baselines import names
+from benchmarks.learning.budget import lacking
 from benchmarks.pages import fill
 
 
@@ -53,13 +53,11 @@ def is_of(run: Run, name: Name, env: str, seed: int) -> bool:
 
 def run_all(asked: Algorithms, tell: Callable[[str], None] = print) -> list[Run]:
     """Run what is lacking, until so many minutes of the processor are spent."""
-    began = time.process_time()
-    for name, env, seed in planned(asked):
-        if any(is_of(run, name, env, seed) for run in saved(name, env)):
-            continue
-        if time.process_time() - began >= 60 * asked.minutes:
-            tell("the budget is spent; the same command goes on")
-            break
+
+    def is_done(piece: tuple[Name, str, int]) -> bool:
+        return any(is_of(run, *piece) for run in saved(*piece[:2]))
+
+    for name, env, seed in lacking(planned(asked), is_done, asked.minutes, tell):
         made = learn(name, env, seed)
         save(made)
         tell(json.dumps(asdict(made)))

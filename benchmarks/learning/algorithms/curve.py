@@ -60,15 +60,13 @@ class Drawn(BaseCallback):
     ----------
     curve
         Of the training.
-    seconds
-        Of the processor, after which it ends early; ``None``: never.
     """
 
-    def __init__(self, curve: Curve, seconds: float | None = None):
+    def __init__(self, curve: Curve):
         super().__init__()
-        self._curve, self._end = curve, seconds
+        self._curve = curve
 
     def _on_step(self) -> bool:
         infos: list[dict[str, Any]] = self.locals["infos"]
         self._curve.add([info["is_success"] for info in infos if "is_success" in info])
-        return self._end is None or self._curve.seconds < self._end
+        return True

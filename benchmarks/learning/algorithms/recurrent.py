@@ -3,6 +3,7 @@
 Its settings are the defaults of `coopenv train`, with a recurrent layer and fewer control steps.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from sb3_contrib import RecurrentPPO
@@ -16,23 +17,21 @@ from coopenv.agents.training.hyperparameters import ppo_settings
 from coopenv.agents.training.presets import train_config
 from coopenv.envs.registry import PREFIX
 
-STEPS = {  # control steps over all worlds
-    "BeamTransport": 300_000,
-    "BeamTracking": 300_000,
-    "WalkerTurn": 500_000,
-    "BeamDoorway": 900_000,
-    "WalkerAvoid": 900_000,
-    "BeamLift": 900_000,
+OF: Mapping[str, Mapping[str, Any]] = {  # what differs from `START`, by the search
+    "BeamTransport": {"steps": 300_000},
+    "BeamTracking": {"steps": 300_000},
+    "WalkerTurn": {"steps": 500_000},
+    "BeamDoorway": {"steps": 900_000},
+    "WalkerAvoid": {"steps": 900_000},
+    "BeamLift": {"steps": 900_000},
 }
-UNITS = 64  # of the recurrent layer
 TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of the defaults
+START = {"units": 64, **{name: getattr(TrainConfig(), name) for name in TAKEN}}  # of the layer
 
 
 def settings(env: str) -> dict[str, Any]:
     """Those with which it is trained."""
-    defaults = TrainConfig()
-    taken = {name: getattr(defaults, name) for name in TAKEN}
-    return {"steps": STEPS[env], "units": UNITS, **taken}
+    return {**START, **OF[env]}
 
 
 def learn(env: str, seed: int, given: dict[str, Any]) -> tuple[SB3Policy, Curve]:

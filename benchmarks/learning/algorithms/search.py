@@ -21,6 +21,7 @@ from benchmarks.learning.algorithms.runs import FOLDER, NAMES, Name
 from benchmarks.learning.algorithms.space import OF, SEED, Changed
 from benchmarks.learning.algorithms.tables import NONE, PAGE, TITLES
 from benchmarks.learning.baselines import LEVELS, names, reached
+from benchmarks.learning.budget import lacking
 from benchmarks.pages import fill, markdown
 from coopenv.agents.evaluate import evaluate
 from coopenv.agents.training.presets import train_config
@@ -129,13 +130,12 @@ def planned(asked: Search) -> Iterator[tuple[Name, str, Changed]]:
 
 def search(asked: Search, tell: Callable[[str], None] = print) -> list[Trial]:
     """Run the trials that are lacking, until so many minutes of the processor are spent."""
-    began = time.process_time()
-    for name, env, changed in planned(asked):
-        if any(trial.changed == changed for trial in saved(name, env)):
-            continue
-        if time.process_time() - began >= 60 * asked.minutes:
-            tell("the budget is spent; the same command goes on")
-            break
+
+    def is_done(piece: tuple[Name, str, Changed]) -> bool:
+        name, env, changed = piece
+        return any(trial.changed == changed for trial in saved(name, env))
+
+    for name, env, changed in lacking(planned(asked), is_done, asked.minutes, tell):
         made = run(name, env, changed)
         save(made)
         tell(json.dumps(asdict(made)))

@@ -1,0 +1,1 @@
+"""The reward-shaping grid: its runs, its tables and its picture."""
