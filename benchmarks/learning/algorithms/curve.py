@@ -41,6 +41,11 @@ class Curve:
         """Of the processor so far."""
         return time.process_time() - self._began
 
+    def take(self, row: Row) -> None:
+        """Note a row of a training that draws its own curve, with `steps` and `success`."""
+        self._done = int(row["steps"]) // self.num_worlds
+        self.points.append((self.seconds, row))
+
     def add(self, ended: Sequence[bool]) -> None:
         """A control step of every world: which of the episodes that ended in it succeeded."""
         self._lately.append(ended)

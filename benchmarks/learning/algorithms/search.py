@@ -17,8 +17,8 @@ from typing import Any
 import tyro
 from rich.console import Console
 
-from benchmarks.learning.algorithms.runs import FOLDER, NAMES, Name
-from benchmarks.learning.algorithms.space import OF, SEED, Changed
+from benchmarks.learning.algorithms.runs import FOLDER, NAMES
+from benchmarks.learning.algorithms.space import OF, SEED, Changed, Searched
 from benchmarks.learning.algorithms.tables import NONE, PAGE, TITLES
 from benchmarks.learning.baselines import LEVELS, names, reached
 from benchmarks.learning.budget import lacking
@@ -29,6 +29,7 @@ from coopenv.agents.training.threads import torch_threads
 from coopenv.envs.registry import PREFIX
 from coopenv.files import written
 
+SEARCHED: tuple[Searched, ...] = ("ppo", *NAMES)
 TRIALS = FOLDER / "search"
 EVALUATION, EPISODES = 3, 250  # held-out episodes of the search
 SLACK = 0.01  # of the success rate, within which the quicker trial is taken
@@ -51,7 +52,7 @@ COLUMNS = (
 class Trial:
     """A training that was tried, and what came of it."""
 
-    algorithm: Name
+    algorithm: Searched
     env: str
     changed: Changed  # of the start of the `Space`
     steps: int  # control steps that were done
@@ -66,7 +67,7 @@ class Trial:
 class Search:
     """Run what is lacking of the search."""
 
-    only: tuple[Name, ...] = NAMES
+    only: tuple[Searched, ...] = SEARCHED
     """Algorithms."""
     envs: tuple[str, ...] = ()
     """Names such as BeamLift; none: all."""
@@ -76,7 +77,7 @@ class Search:
     """Put the tables into docs/training/algorithms.md."""
 
 
-def run(name: Name, env: str, changed: Changed) -> Trial:
+def run(name: Searched, env: str, changed: Changed) -> Trial:
     """Train once and test."""
     module = import_module(f"{__package__}.{name}")
     settings = {**module.settings(env), **OF[name].settings(env, changed)}
@@ -120,7 +121,7 @@ def save(trial: Trial) -> None:
         part.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
-def planned(asked: Search) -> Iterator[tuple[Name, str, Changed]]:
+def planned(asked: Search) -> Iterator[tuple[Searched, str, Changed]]:
     """Algorithm, environment and changes of every trial."""
     for env in asked.envs or names():
         for name in asked.only:
@@ -131,7 +132,7 @@ def planned(asked: Search) -> Iterator[tuple[Name, str, Changed]]:
 def search(asked: Search, tell: Callable[[str], None] = print) -> list[Trial]:
     """Run the trials that are lacking, until so many minutes of the processor are spent."""
 
-    def is_done(piece: tuple[Name, str, Changed]) -> bool:
+    def is_done(piece: tuple[Searched, str, Changed]) -> bool:
         name, env, changed = piece
         return any(trial.changed == changed for trial in saved(name, env))
 
@@ -161,7 +162,7 @@ def table(trials: Sequence[Trial]) -> str:
     """One row a trial, in the order of the space; a sentence where there is none."""
     rows: list[tuple[str, ...]] = []
     for env in names():
-        for name in NAMES:
+        for name in SEARCHED:
             mine = [one for one in trials if (one.env, one.algorithm) == (env, name)]
             best = taken(mine) if mine else None
             order = [one for change in OF[name].changes for one in mine if one.changed == change]
@@ -172,7 +173,7 @@ def table(trials: Sequence[Trial]) -> str:
 def _row(trial: Trial, *, is_taken: bool) -> tuple[str, ...]:
     return (
         trial.env,
-        TITLES[trial.algorithm],
+        {"ppo": "PPO", **TITLES}[trial.algorithm],
         _told(trial.changed),
         f"{trial.steps:,}",
         f"{trial.seconds:.0f}",
@@ -186,11 +187,6 @@ def _row(trial: Trial, *, is_taken: bool) -> tuple[str, ...]:
 
 def _told(changed: Changed) -> str:
     return ", ".join(f"{name} {value}" for name, value in changed.items()) or "nothing"
-
-
-def settings_taken(name: Name, env: str) -> dict[str, Any]:
-    """What the search changes in an environment."""
-    return dict(taken(saved(name, env)).changed)
 
 
 def main() -> None:

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
-from benchmarks.learning.algorithms.runs import Name
 from benchmarks.learning.algorithms.sac import Recipe
 
 SEED = 100  # of trainings that no table has
 
+Searched = Literal["ppo", "sac", "mappo", "recurrent"]  # modules beside this one
 Changed = Mapping[str, Any]  # settings of a trial that are not those of the start
 
 
@@ -26,7 +26,31 @@ class Space:
         return {**self.start, self.steps_name: self.steps[env], **changed}
 
 
-OF: Mapping[Name, Space] = {
+OF: Mapping[Searched, Space] = {
+    "ppo": Space(
+        steps_name="steps",
+        steps={
+            "BeamTransport": 300_000,
+            "BeamTracking": 300_000,
+            "WalkerTurn": 400_000,
+            "BeamDoorway": 900_000,
+            "WalkerAvoid": 400_000,
+            "BeamLift": 900_000,
+        },
+        start={
+            "num_worlds": 64,
+            "rollout": 128,
+            "epochs": 10,
+            "batch_size": 2048,
+            "learning_rate": 1e-3,
+        },
+        changes=(
+            {},
+            {"num_worlds": 256, "rollout": 32, "epochs": 5},
+            {"batch_size": 512},
+            {"learning_rate": 2e-3},
+        ),
+    ),
     "sac": Space(
         steps_name="steps",
         steps={
