@@ -6,9 +6,8 @@ import pytest
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("tyro")
 
-from benchmarks.learning.shaping.__main__ import PAGE
-
 from benchmarks.learning.shaping import answer, picture, runs
+from benchmarks.learning.shaping.__main__ import PAGE
 from benchmarks.pages import filled
 from coopenv.agents.experiments.file import load
 from tests.agents.experiments.test_grid import EXAMPLE

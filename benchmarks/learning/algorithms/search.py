@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
-from typing import Any
 
 import tyro
 from rich.console import Console
@@ -122,11 +121,12 @@ def save(trial: Trial) -> None:
 
 
 def planned(asked: Search) -> Iterator[tuple[Searched, str, Changed]]:
-    """Algorithm, environment and changes of every trial."""
-    for env in asked.envs or names():
-        for name in asked.only:
-            for changed in OF[name].changes:
-                yield name, env, changed
+    """Algorithm, environment and changes of every trial, the first change of all at first."""
+    for number in range(max(len(OF[name].changes) for name in asked.only)):
+        for env in asked.envs or names():
+            for name in asked.only:
+                for changed in OF[name].changes[number : number + 1]:
+                    yield name, env, changed
 
 
 def search(asked: Search, tell: Callable[[str], None] = print) -> list[Trial]:

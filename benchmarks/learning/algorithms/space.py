@@ -48,7 +48,6 @@ OF: Mapping[Searched, Space] = {
             {},
             {"num_worlds": 256, "rollout": 32, "epochs": 5},
             {"batch_size": 512},
-            {"learning_rate": 2e-3},
         ),
     ),
     "sac": Space(
@@ -62,7 +61,7 @@ OF: Mapping[Searched, Space] = {
             "BeamLift": 200_000,
         },
         start={name: value for name, value in asdict(Recipe(steps=1)).items() if name != "steps"},
-        changes=({}, {"discount": 0.99}, {"gradient_steps": 4}, {"entropy": "auto_0.1"}),
+        changes=({}, {"discount": 0.99}, {"gradient_steps": 4}),
     ),
     "mappo": Space(
         steps_name="total_steps",
@@ -81,7 +80,7 @@ OF: Mapping[Searched, Space] = {
             "minibatch": 512,
             "learning_rate": 1e-3,
         },
-        changes=({}, {"minibatch": 2048}, {"epochs": 10}, {"learning_rate": 5e-4}),
+        changes=({}, {"minibatch": 2048}, {"learning_rate": 5e-4}),
     ),
     "recurrent": Space(
         steps_name="steps",
@@ -104,7 +103,6 @@ OF: Mapping[Searched, Space] = {
         changes=(
             {},
             {"num_worlds": 64, "rollout": 128, "epochs": 10},
-            {"epochs": 10},
             {"batch_size": 512},
         ),
     ),
