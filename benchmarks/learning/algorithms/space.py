@@ -104,6 +104,7 @@ OF: Mapping[Searched, Space] = {
             {},
             {"num_worlds": 64, "rollout": 128, "epochs": 10},
             {"batch_size": 512},
+            {"epochs": 10},
         ),
     ),
 }
