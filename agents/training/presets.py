@@ -26,6 +26,12 @@ ALSO_OBSERVED: Mapping[str, tuple[str, ...]] = {
 }
 """Gymnasium id to blocks without which mean actions come to rest beside the goal, or are caught."""
 
+BY_HANDS: Mapping[str, tuple[str, ...]] = {
+    "coopenv/WalkerAvoid-v0": ("near_goal", "course", "stretch"),
+    "coopenv/WalkerTurn-v0": ("near_goal", "stretch"),
+}
+"""The same where agents move hands: who turns a body on wheels has to know how far they are off."""
+
 
 def preset(env: str) -> dict[str, Any]:
     """Settings of a training in the environment of a Gymnasium id; none for one of your own.
@@ -53,12 +59,19 @@ def observing(config: TrainConfig) -> TrainConfig:
     said = chosen.observe is not None or chosen.sensing is not None
     also = chosen.also_observe
     if also is None:
-        also = () if said else ALSO_OBSERVED.get(_id(chosen.env), ())
+        also = () if said else _needed(chosen)
     if config.teams and not said:
         observe = seen_in_any_team(chosen.config(), also)
         also = also if observe is None else ()
         return replace(config, environment=replace(chosen, observe=observe, also_observe=also))
     return replace(config, environment=replace(chosen, also_observe=also))
+
+
+def _needed(chosen: EnvironmentChoice) -> tuple[str, ...]:
+    """Blocks of `ALSO_OBSERVED`, or of `BY_HANDS`."""
+    name = _id(chosen.env)
+    by_hands = name in BY_HANDS and chosen.config().hands is not None
+    return BY_HANDS[name] if by_hands else ALSO_OBSERVED.get(name, ())
 
 
 def _id(env: str) -> str:

@@ -6,9 +6,12 @@ Its settings are the defaults of `coopenv train`, with a recurrent layer and few
 from collections.abc import Mapping
 from typing import Any
 
+import torch
 from sb3_contrib import RecurrentPPO
+from torch import nn
+from torch.nn.functional import pad
 
-from benchmarks.haptics.recurrent import WholeSequences
+from benchmarks.haptics.recurrent import States, WholeSequences
 from benchmarks.learning.algorithms.curve import Curve, Drawn
 from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale
 from coopenv.agents.seeds import training_seeds
@@ -26,7 +29,20 @@ OF: Mapping[str, Mapping[str, Any]] = {  # what differs from `START`, by the sea
     "BeamLift": {"steps": 900_000},
 }
 TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of the defaults
-START = {"units": 64, **{name: getattr(TrainConfig(), name) for name in TAKEN}}  # of the layer
+START = {"units": 64, "residual": False, **{name: getattr(TrainConfig(), name) for name in TAKEN}}  # of the layer
+OWN = ("units", "residual")  # settings that are none of a `TrainConfig`
+
+
+class Residual(WholeSequences):
+    """Features are added to what the recurrent layer makes of them, as far as it has units."""
+
+    @staticmethod
+    def _process_sequence(
+        features: torch.Tensor, lstm_states: States, episode_starts: torch.Tensor, lstm: nn.LSTM
+    ) -> tuple[torch.Tensor, torch.Tensor]:  # as the parent says, though states are a pair
+        """See the parent."""
+        made = WholeSequences._process_sequence(features, lstm_states, episode_starts, lstm)
+        return made[0] + pad(features, (0, lstm.hidden_size - lstm.input_size)), made[1]
 
 
 def settings(env: str) -> dict[str, Any]:
@@ -36,14 +52,15 @@ def settings(env: str) -> dict[str, Any]:
 
 def learn(env: str, seed: int, given: dict[str, Any]) -> tuple[SB3Policy, Curve]:
     """Train with such settings."""
-    others = {name: value for name, value in given.items() if name != "units"}
+    others = {name: value for name, value in given.items() if name not in OWN}
     config = train_config(f"{PREFIX}{env}-v0", seed=seed, **others)
     environment = config.environment.config()
     curve = Curve(environment.horizon, config.num_worlds)
     venv = TransportVecEnv(environment, config.num_worlds)
     keywords = ppo_settings(config, rows=venv.num_envs, scale=feature_scale(venv))
     keywords["policy_kwargs"]["lstm_hidden_size"] = given["units"]
-    model = RecurrentPPO(WholeSequences, venv, **keywords)
+    policy = Residual if given["residual"] else WholeSequences
+    model = RecurrentPPO(policy, venv, **keywords)
     venv.seed(training_seeds(seed, config.num_worlds)[0])  # after the model, which seeds them too
     model.learn(config.steps, callback=Drawn(curve))
     return SB3Policy(model), curve

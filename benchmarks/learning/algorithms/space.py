@@ -99,11 +99,13 @@ OF: Mapping[Searched, Space] = {
             "batch_size": 2048,
             "learning_rate": 1e-3,
             "units": 64,
+            "residual": False,
         },
         changes=(
             {},
             {"num_worlds": 64, "rollout": 128, "epochs": 10},
             {"batch_size": 512},
+            {"residual": True},
             {"epochs": 10},
         ),
     ),
