@@ -104,8 +104,8 @@ OF: Mapping[Searched, Space] = {
         changes=(
             {},
             {"num_worlds": 64, "rollout": 128, "epochs": 10},
-            {"batch_size": 512},
             {"residual": True},
+            {"batch_size": 512},
             {"epochs": 10},
         ),
     ),
