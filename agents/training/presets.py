@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from coopenv.config.hands import BY_HANDS
+
 from ..environment import EnvironmentChoice
 from ..environment.teams import seen_in_any_team
 from ..settings import TrainConfig
@@ -26,22 +28,29 @@ ALSO_OBSERVED: Mapping[str, tuple[str, ...]] = {
 }
 """Gymnasium id to blocks without which mean actions come to rest beside the goal, or are caught."""
 
-BY_HANDS: Mapping[str, tuple[str, ...]] = {
+HANDS_PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "coopenv/WalkerAvoid-v0": {**_THOROUGH, "steps": 1_800_000},
+}
+HANDS_OBSERVED: Mapping[str, tuple[str, ...]] = {
     "coopenv/WalkerAvoid-v0": ("near_goal", "course", "stretch"),
     "coopenv/WalkerTurn-v0": ("near_goal", "stretch"),
 }
-"""The same where agents move hands: who turns a body on wheels has to know how far they are off."""
+"""Both where agents move hands: those who turn a body on wheels see how far their hands are off."""
 
 
-def preset(env: str) -> dict[str, Any]:
+def preset(env: str, action: str | None = None) -> dict[str, Any]:
     """Settings of a training in the environment of a Gymnasium id; none for one of your own.
 
     Parameters
     ----------
     env
         The id, with the module that registers it before a colon or without.
+    action
+        What agents give, if not what the environment has.
     """
-    return dict(PRESETS.get(_id(env), {}))
+    name = _id(env)
+    found = HANDS_PRESETS.get(name) if action in BY_HANDS else None
+    return dict(PRESETS.get(name, {}) if found is None else found)
 
 
 def observing(config: TrainConfig) -> TrainConfig:
@@ -68,10 +77,10 @@ def observing(config: TrainConfig) -> TrainConfig:
 
 
 def _needed(chosen: EnvironmentChoice) -> tuple[str, ...]:
-    """Blocks of `ALSO_OBSERVED`, or of `BY_HANDS`."""
+    """Blocks of `ALSO_OBSERVED`, or with hands of `HANDS_OBSERVED`."""
     name = _id(chosen.env)
-    by_hands = name in BY_HANDS and chosen.config().hands is not None
-    return BY_HANDS[name] if by_hands else ALSO_OBSERVED.get(name, ())
+    found = HANDS_OBSERVED.get(name) if chosen.action in BY_HANDS else None
+    return ALSO_OBSERVED.get(name, ()) if found is None else found
 
 
 def _id(env: str) -> str:
@@ -101,5 +110,5 @@ def train_config(environment: EnvironmentChoice | str, **settings: Any) -> Train
     """
     if isinstance(environment, str):
         environment = EnvironmentChoice(env=environment)
-    given = {**preset(environment.env), **settings}
+    given = {**preset(environment.env, environment.action), **settings}
     return observing(TrainConfig(environment=environment, **given))

@@ -55,17 +55,22 @@ class Train:
     )
 
     @classmethod
-    def suited(cls, env: str) -> Self:
-        """The command with the settings that an environment's id has."""
-        return cls(training=TrainConfig(environment=EnvironmentChoice(env=env), **preset(env)))
+    def suited(cls, env: str | None = None, action: str | None = None) -> Self:
+        """The command with the settings that an environment's id has, with such actions."""
+        chosen = EnvironmentChoice() if env is None else EnvironmentChoice(env=env)
+        settings = preset(chosen.env, action)
+        return cls(training=TrainConfig(environment=chosen, **settings))
 
     @classmethod
-    def configured(cls, path: Path, trust: Trust = False, env: str | None = None) -> Self:
+    def configured(
+        cls, path: Path, trust: Trust = False, env: str | None = None, action: str | None = None
+    ) -> Self:
         """The command with the options of a file, which may import the modules that are trusted.
 
-        What the file does not say is as ``env`` has it, or if that is ``None`` the file's id.
+        What the file does not say is as ``env`` and ``action`` have it, or where they are ``None``
+        the file's.
         """
-        return cls(**runfile.training(path, trust, env))
+        return cls(**runfile.training(path, trust, env, action))
 
     def __post_init__(self) -> None:
         evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))

@@ -25,7 +25,8 @@ NOT_IN_FILES = ("config", "trust")  # what a file cannot say
 def before(arguments: Sequence[str], commands: Mapping[str, type], missing: Any) -> Any:
     """The command as it is before options are given; None if it is always so.
 
-    With the options of the file that ``--config`` names, and what suits the id that ``--env`` does.
+    With the options of the file that ``--config`` names, and what suits the id that ``--env`` does
+    and the actions that ``--action`` does.
 
     Parameters
     ----------
@@ -44,15 +45,15 @@ def before(arguments: Sequence[str], commands: Mapping[str, type], missing: Any)
     kind = commands.get(next(iter(arguments), ""))
     if kind is None:
         return None
-    config, env = _value_of("--config", arguments), _value_of("--env", arguments)
-    suited = getattr(kind, "suited", None)
+    config, suited = _value_of("--config", arguments), getattr(kind, "suited", None)
+    named = {name: _value_of(f"--{name}", arguments) for name in ("env", "action")}
+    chosen = {name: value for name, value in named.items() if value}
     if not config:
-        return suited(env) if suited is not None and env else None
+        return suited(**chosen) if suited is not None and chosen else None
     path, trust = Path(config), trusted(arguments)
     own = getattr(kind, "configured", None)  # a form of its own
     if own is not None:
-        beside = {"env": env} if suited is not None and env else {}
-        return own(path, trust, **beside)
+        return own(path, trust, **(chosen if suited is not None else {}))
     below = parts(kind)
     chosen = below.get(next(iter(arguments[1:]), "")) if below else kind
     if chosen is None or "config" not in options(chosen):

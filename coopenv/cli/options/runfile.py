@@ -65,11 +65,13 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
     return content
 
 
-def training(path: Path, trust: Trust = False, env: str | None = None) -> dict[str, Any]:
+def training(
+    path: Path, trust: Trust = False, env: str | None = None, action: str | None = None
+) -> dict[str, Any]:
     """Options of ``coopenv train`` in a file, as its fields.
 
-    Settings that the file does not name are the preset of ``env``, or if that is ``None`` of the
-    file's id.
+    Settings that the file does not name are the preset of ``env`` and ``action``, or where they are
+    ``None`` of the file's.
     """
     content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
@@ -81,7 +83,8 @@ def training(path: Path, trust: Trust = False, env: str | None = None) -> dict[s
     comparison = {name: content[name] for name in COMPARISON if name in content}
     if not isinstance(comparison.get("gif", True), bool):
         raise InvalidInput(f"gif must be true or false, got {comparison['gif']!r}; write one")
-    settings = {**preset(env or values["environment"].env), **values}
+    chosen = values["environment"]
+    settings = {**preset(env or chosen.env, action or chosen.action), **values}
     return {"training": TrainConfig(**settings), **comparison}
 
 

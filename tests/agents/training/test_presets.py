@@ -16,6 +16,7 @@ from coopenv.errors import InvalidInput
 from coopenv.observation.observation import find_block
 
 DOORWAY = "coopenv/BeamDoorway-v0"
+AVOID = "coopenv/WalkerAvoid-v0"
 MINE = preset(DOORWAY)
 
 
@@ -42,6 +43,20 @@ def test_a_run_has_what_is_given_and_the_rest_of_its_id():
     assert "epochs" in MINE
     for name, value in {**MINE, "epochs": 2, "seed": 3}.items():
         assert getattr(config, name) == value
+
+
+def test_walkers_led_by_hands_have_settings_of_their_own(tmp_path):
+    by_hands = EnvironmentChoice(env=AVOID, action="motion")
+    assert train_config(by_hands).steps > train_config(AVOID).steps
+    assert seen(train_config(by_hands)) == [*seen(train_config(AVOID)), "stretch"]
+    assert trained("--env", AVOID, "--action", "motion") == train_config(by_hands)
+    assert trained("--action=impedance", "--env", AVOID).steps == train_config(by_hands).steps
+    assert trained("--action", "motion") == train_config(EnvironmentChoice(action="motion"))
+    file = tmp_path / "run.toml"
+    file.write_text(f'[environment]\nenv = "{AVOID}"\n')
+    assert trained("--config", file, "--action", "motion") == train_config(by_hands)
+    file.write_text(f'[environment]\nenv = "{AVOID}"\naction = "motion"\n')
+    assert trained("--config", file) == train_config(by_hands)
 
 
 def test_an_id_of_ones_own_has_the_defaults():
