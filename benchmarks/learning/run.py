@@ -72,8 +72,9 @@ def configured(
 
 
 def settings_of(config: TrainConfig) -> dict[str, Any]:
-    """What the runs of an environment and a control have in common."""
-    return {name: value for name, value in config.to_dict().items() if name not in APART}
+    """What the runs of an environment, a control and an action have in common."""
+    own = {name: value for name, value in config.to_dict().items() if name not in APART}
+    return {**own, "also_observe": [*(config.environment.also_observe or ())]}
 
 
 def is_of(run: Run, env: str, config: TrainConfig) -> bool:
