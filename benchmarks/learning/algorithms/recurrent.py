@@ -20,16 +20,21 @@ from coopenv.agents.training.hyperparameters import ppo_settings
 from coopenv.agents.training.presets import train_config
 from coopenv.envs.registry import PREFIX
 
+MORE = {"num_worlds": 64, "rollout": 128}  # longer sequences, and four times as many updates
 OF: Mapping[str, Mapping[str, Any]] = {  # what differs from `START`, by the search
-    "BeamTransport": {"steps": 300_000},
+    "BeamTransport": {"steps": 300_000, **MORE, "epochs": 10},
     "BeamTracking": {"steps": 300_000},
-    "WalkerTurn": {"steps": 500_000},
-    "BeamDoorway": {"steps": 900_000},
-    "WalkerAvoid": {"steps": 900_000},
-    "BeamLift": {"steps": 900_000},
+    "WalkerTurn": {"steps": 500_000, **MORE, "epochs": 10},
+    "BeamDoorway": {"steps": 1_200_000, **MORE, "epochs": 10},
+    "WalkerAvoid": {"steps": 600_000, **MORE, "epochs": 10},
+    "BeamLift": {"steps": 1_800_000, **MORE, "residual": True},
 }
 TAKEN = ("num_worlds", "rollout", "epochs", "batch_size", "learning_rate")  # of the defaults
-START = {"units": 64, "residual": False, **{name: getattr(TrainConfig(), name) for name in TAKEN}}  # of the layer
+START = {
+    "units": 64,
+    "residual": False,
+    **{name: getattr(TrainConfig(), name) for name in TAKEN},
+}  # of the layer
 OWN = ("units", "residual")  # settings that are none of a `TrainConfig`
 
 

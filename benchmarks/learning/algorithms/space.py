@@ -105,6 +105,7 @@ OF: Mapping[Searched, Space] = {
             {},
             {"num_worlds": 64, "rollout": 128, "epochs": 10},
             {"residual": True},
+            {"residual": True, "num_worlds": 64, "rollout": 128},
             {"batch_size": 512},
             {"epochs": 10},
         ),
