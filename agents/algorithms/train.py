@@ -4,8 +4,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
 
 from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
@@ -13,6 +15,7 @@ from coopenv.files import locked, sweep, writing
 
 from .. import curves
 from ..curves import Row
+from ..differences import differences
 from ..learned import SB3Policy, save_model
 from ..learned.finite import has_diverged, require_finite
 from ..provenance import Provenance
@@ -42,7 +45,7 @@ def train_by(
     Written there: ``policy.zip`` (`coopenv.agents.sb3.SB3Policy.load`) with all of the environment,
     the recipe, versions and the command, ``curves.csv``, ``curves.png`` and ``tensorboard/``. There
     is no checkpoint: a call after an interruption, or a kill, begins anew. A policy of the same
-    training that is there is returned as it is.
+    training that is there is returned as it is, and one of another is not written over.
 
     Parameters
     ----------
@@ -63,40 +66,48 @@ def train_by(
     Raises
     ------
     InvalidInput
-        If another process is at work in the folder, the environment cannot be written into the
-        policy's file, or the training diverges.
+        If the folder holds another policy or another process is at work in it, the environment
+        cannot be written into the policy's file, there are teams of several sizes, or the training
+        diverges.
     MissingExtra
         If the package of the algorithm is not installed.
     FileTrouble
         If the system does not let something be written, as on a full disk.
     """
     out = training.out
+    if training.teams:
+        raise InvalidInput(
+            f"teams must be left out for another algorithm than PPO, got {training.teams}; train "
+            "one size of team"
+        )
     with torch_threads(training.threads), locked(out), writing(out):
         sweep(out)
         config = environment or training.environment.config()
+        venv = TransportVecEnv(config, recipe.num_worlds, control=training.control)
         said = {"algorithm": name_of(recipe), **plain(recipe)}
-        provenance = Provenance.of_recipe(training, config, said)
+        provenance = Provenance.of_recipe(training, venv.transport.config, said)
         found = _finished(out / POLICY, provenance)
-        return found or _train(recipe, training, config, provenance, report)
+        policy = found or _train(recipe, training, venv, provenance, report)
+        venv.close()
+        return policy
 
 
 def _train(
     recipe: Recipe,
     training: TrainConfig,
-    config: TransportConfig,
+    venv: TransportVecEnv,
     provenance: Provenance,
     report: Callable[[Row], None] | None,
 ) -> SB3Policy:
     name, out, progress = name_of(recipe), training.out, Progress()
-    venv = TransportVecEnv(config, recipe.num_worlds, control=training.control)
     clear_logs(out, name)
     model = model_of(recipe, venv, seed=training.seed, log=str(out / LOGS))
     first = training_seeds(training.seed, recipe.num_worlds)[0]
     venv.seed(first)  # after the model, which seeds them too
     rows = Fraction(venv.num_envs, recipe.num_worlds)
-    now_and_then = NowAndThen(
+    watch = Watch(
         progress,
-        horizon=config.horizon,
+        horizon=venv.transport.config.horizon,
         rollout=EVERY,
         per_step=rows,
         begin=lambda model: require_finite(model, "of the policy"),
@@ -105,7 +116,7 @@ def _train(
     with _diverging(model, progress), told_once():
         model.learn(
             int(recipe.steps * rows),
-            callback=now_and_then,
+            callback=NowAndThen(watch),
             log_interval=recipe.LOG_INTERVAL,
             tb_log_name=name,
         )
@@ -114,21 +125,29 @@ def _train(
     curves.draw({"": [progress.rows]}, out / "curves.png")
     notes = provenance.to_notes()
     save_model(writable(model), out / POLICY, notes=notes)  # last: it says that all is done
-    venv.close()
     return SB3Policy(model, notes=notes)
 
 
-class NowAndThen(Watch):
-    """Draws the curves of an algorithm that learns at every step, or in rollouts of its own."""
+class NowAndThen(BaseCallback):
+    """Has a `Watch` take `EVERY` control steps for a rollout, whatever the algorithm takes."""
 
-    def _on_rollout_start(self) -> None:
-        pass
+    def __init__(self, watch: Watch):
+        super().__init__()
+        self._watch = watch
 
-    def _on_rollout_end(self) -> None:
-        pass
+    def update_child_locals(self, locals_: dict[str, Any]) -> None:
+        """Hand on what the algorithm's loop has at the moment."""
+        self._watch.update_locals(locals_)
+
+    def _init_callback(self) -> None:
+        self._watch.init_callback(self.model)
+
+    def _on_training_start(self) -> None:
+        self._watch.on_training_start(self.locals, self.globals)
+        self._watch.on_rollout_start()
 
     def _on_step(self) -> bool:
-        super()._on_step()
+        self._watch.on_step()
         if self.n_calls % EVERY == 0:
             self._row()
         return True
@@ -138,20 +157,24 @@ class NowAndThen(Watch):
             self._row()
 
     def _row(self) -> None:
-        super()._on_rollout_end()
-        super()._on_rollout_start()
+        self._watch.on_rollout_end()
+        self._watch.on_rollout_start()
 
 
 def _finished(path: Path, provenance: Provenance) -> SB3Policy | None:
-    """The policy of the same training that is there, if there is one."""
+    """The policy that is there, if there is one; raises `InvalidInput` if it is of another run."""
     if not path.exists():
         return None
     there = Provenance.read(path)
-    same = there is not None and (there.training, there.environment) == (
-        provenance.training,
-        provenance.environment,
-    )
-    return SB3Policy.load(path) if same else None
+    mine = {"training": provenance.training, "environment": provenance.environment}
+    theirs = {name: getattr(there, name, {}) for name in mine}
+    found = differences(theirs, mine)
+    if found:
+        raise InvalidInput(
+            f"out must hold no other run, got {path}, which differs in {', '.join(found)}; choose "
+            "another out, or move it away"
+        )
+    return SB3Policy.load(path)
 
 
 @contextmanager

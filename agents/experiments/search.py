@@ -76,7 +76,7 @@ class Search:
                 raise UnknownName("objective", given["objective"], MEASURES)
         _check_only(given.get("only", {}), experiment)
         space = given.get("space", {})
-        check_space(space, set(_learners(experiment).values()), experiment.source)
+        check_space(space, set(_named(experiment).values()), experiment.source)
         return cls(**given)
 
     def run(
@@ -117,8 +117,8 @@ class Search:
         """Label -> algorithm of those that are searched; ``None`` in a grid without that axis."""
         return {
             label: algorithm
-            for label, algorithm in _learners(experiment).items()
-            if space_of(self.space, algorithm)
+            for label, algorithm in _named(experiment).items()
+            if algorithm in LEARNERS and space_of(self.space, algorithm)
         }
 
     def cells(
@@ -220,13 +220,12 @@ def require_optuna() -> None:
         raise MissingExtra("a search over settings", "search") from error
 
 
-def _learners(experiment: Experiment) -> dict[str | None, str]:
-    """Label -> algorithm of those that learn; ``None`` in a grid without that axis."""
+def _named(experiment: Experiment) -> dict[str | None, str]:
+    """Label -> algorithm, as the level says it; ``None`` in a grid without that axis."""
     levels = experiment.levels().get("algorithm")
     if levels is None:
         return {None: LEARNER}
-    named = {level.label: algorithm_named(level.value) for level in levels}
-    return {label: algorithm for label, algorithm in named.items() if algorithm in LEARNERS}
+    return {level.label: algorithm_named(level.value) for level in levels}
 
 
 def _check_only(given: Any, experiment: Experiment) -> None:

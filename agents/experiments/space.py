@@ -9,7 +9,7 @@ from coopenv.errors import InvalidInput, UnknownName
 
 from ..algorithms import RECIPES, recipe_of
 from ..settings import TrainConfig
-from .levels import LEARNER, SETTINGS
+from .levels import ALGORITHMS, LEARNER, SETTINGS
 from .lines import Place, Source
 
 RANGE = ("low", "high", "log")
@@ -60,11 +60,12 @@ def check_space(space: Any, algorithms: Collection[str], source: Source) -> None
     space
         What stands under ``[search.space]``.
     algorithms
-        Of the grid, those that learn.
+        Of the grid, as its levels say them.
     source
         The file.
     """
     place: Place = ("search", "space")
+    known = {*ALGORITHMS}
     with source.at(place):
         if not isinstance(space, Mapping) or not space:
             raise InvalidInput(
@@ -80,7 +81,7 @@ def check_space(space: Any, algorithms: Collection[str], source: Source) -> None
                     f"space of {name} must be a table of its settings, got {entry!r}; write "
                     f"[search.space.{name}]"
                 )
-            if name not in algorithms:
+            if name not in algorithms and known.issuperset(algorithms):  # else told by its level
                 raise InvalidInput(
                     f"space of {name} must be of an algorithm of the grid, got one that is no "
                     "level of it; add the level, or drop the space"
