@@ -18,7 +18,7 @@ MOST_OF = {
     "n_steps": 10**4,
     "buffer": 10**7,  # beyond, observations fill the memory
 }
-LEARNED = re.compile(r"auto(_[0-9.]+(e-?[0-9]+)?)?")  # weight of the entropy, from where it begins
+LEARNED = re.compile(r"auto(?:_(\d*\.?\d+(?:e-?\d+)?))?")  # weight of the entropy, where it begins
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +91,8 @@ def _check_entropy(config: SACConfig) -> None:
     """Raise unless the weight of the entropy and its target are numbers, or to be found."""
     weight, target = config.entropy, config.target_entropy
     if isinstance(weight, str):
-        if not LEARNED.fullmatch(weight):
+        found = LEARNED.fullmatch(weight)
+        if found is None or not 0 < float(found[1] or 1) <= MOST["entropy_weight"]:
             raise InvalidInput(
                 f"entropy must be a weight or auto, got {weight!r}; write 0.02, or auto_0.1 to "
                 "learn it from 0.1 on"

@@ -29,6 +29,8 @@ WRONG = [
     ("sac", {"discount": 1.01}, "discount must be at most 1"),
     ("sac", {"tau": 0}, "tau must be positive"),
     ("sac", {"entropy": "automatic"}, "entropy must be a weight or auto"),
+    ("sac", {"entropy": "auto_1.2.3"}, "entropy must be a weight or auto"),
+    ("sac", {"entropy": "auto_0"}, "entropy must be a weight or auto"),
     ("sac", {"entropy": -0.1}, "entropy must be zero or positive"),
     ("sac", {"target_entropy": "low"}, "target_entropy must be a number"),
     ("sac", {"hidden": []}, "hidden must be sizes"),
@@ -54,7 +56,7 @@ def test_a_whole_number_may_be_written_as_a_float_and_is_the_same():
     assert repr(floats) == repr(SACConfig(steps=300_000))
 
 
-@pytest.mark.parametrize("entropy", ["auto", "auto_0.1", 0, 0.02])
+@pytest.mark.parametrize("entropy", ["auto", "auto_0.1", "auto_1e-3", 0, 0.02])
 def test_the_weight_of_the_entropy_is_given_or_learned(entropy):
     assert SACConfig(entropy=entropy).entropy == entropy
 
