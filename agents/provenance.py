@@ -38,8 +38,9 @@ class Provenance:
     environment: dict[str, Any]
     """All of the environment: `TransportConfig.to_json`."""
     training: dict[str, Any]
-    """Settings of the run: `TrainConfig.to_dict`. Of a policy that a program of the user's own
-    trained, ``control`` and the id that its environment is nearest to; the rest is not known."""
+    """Settings of the run: `TrainConfig.to_dict`, or those of another algorithm, with its name as
+    ``algorithm``. Of a policy that a program of the user's own trained, ``control`` and the id that
+    its environment is nearest to; the rest is not known."""
     versions: dict[str, str]
     """Of Python and of what computed the run."""
     command: list[str]
@@ -55,6 +56,30 @@ class Provenance:
             If something in the environment cannot be written; the message says what to do.
         """
         return cls._now(_written(environment), training.to_dict())
+
+    @classmethod
+    def of_recipe(
+        cls, training: TrainConfig, environment: TransportConfig, recipe: Mapping[str, Any]
+    ) -> Self:
+        """That of a run of another algorithm than PPO which begins now.
+
+        Parameters
+        ----------
+        training
+            Of the run, of which control, seed and environment are its own as well.
+        environment
+            All of it.
+        recipe
+            ``algorithm``, and its settings.
+
+        Raises
+        ------
+        InvalidInput
+            If something in the environment cannot be written; the message says what to do.
+        """
+        said = training.to_dict()
+        common = {name: said[name] for name in ("environment", "control", "seed")}
+        return cls._now(_written(environment), {**common, **recipe})
 
     @classmethod
     def of_environment(

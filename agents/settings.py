@@ -236,12 +236,16 @@ def _check_numbers(config: "TrainConfig") -> None:
         )
     if config.rollout * config.num_worlds < 2:
         raise InvalidInput("rollout must be at least 2 with one world, got 1; raise it")
-    if not isinstance(config.hidden, Sequence) or isinstance(config.hidden, str):
-        raise InvalidInput(f"hidden must be sizes of layers, got {config.hidden!r}; list them")
-    if not config.hidden:
+    object.__setattr__(config, "hidden", layers(config.hidden))
+
+
+def layers(given: Any) -> tuple[int, ...]:
+    """Sizes of the hidden layers of a network; raises `InvalidInput` unless they are some."""
+    if not isinstance(given, Sequence) or isinstance(given, str):
+        raise InvalidInput(f"hidden must be sizes of layers, got {given!r}; list them")
+    if not given:
         raise InvalidInput("hidden must be sizes of layers, got none; give at least one: 64")
-    hidden = tuple(whole(each, "hidden", at_least=1, at_most=MOST_UNITS) for each in config.hidden)
-    object.__setattr__(config, "hidden", hidden)
+    return tuple(whole(each, "hidden", at_least=1, at_most=MOST_UNITS) for each in given)
 
 
 def _tuples(value: dict[str, Any]) -> dict[str, Any]:

@@ -253,6 +253,7 @@ def test_only_the_renderer_knows_pygame():
 def test_only_agents_know_what_trains_them(tool):
     assert folders_of(users_of(tool)) <= {
         Path("agents"),
+        Path("agents/algorithms"),
         Path("agents/learned"),
         Path("agents/rllib"),
         Path("agents/torchrl"),

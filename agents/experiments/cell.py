@@ -13,9 +13,11 @@ from coopenv.config import TransportConfig
 from coopenv.errors import InvalidInput
 from coopenv.files import reading, written
 
+from ..algorithms import RECIPES, Recipe, recipe_of
+from ..algorithms.recipes import plain
 from ..differences import differences
 from ..settings import TrainConfig
-from .levels import LEARNER
+from .levels import LEARNER, LEARNERS
 from .revision import revision
 
 CELL, RESULT, FAILURE = "cell.json", "evaluation.json", "failure.txt"  # in the folder of a cell
@@ -32,7 +34,7 @@ class Cell:
     seed: int
     algorithm: str
     training: TrainConfig
-    """Of no meaning but ``control`` to an algorithm that learns nothing."""
+    """Of no meaning but ``control`` to an algorithm that learns nothing, or by a recipe."""
     environment: TransportConfig
     """All of it; the one that ``training`` names may lack terms of the reward."""
     episodes: int
@@ -42,6 +44,8 @@ class Cell:
     """Whether it goes on from a checkpoint when it was killed, or begins anew."""
     wandb: str | None = None
     """Project of Weights & Biases that its curves go to."""
+    recipe: Recipe | None = None
+    """Settings of an algorithm that learns and is not PPO."""
 
     @property
     def setting(self) -> str:
@@ -56,17 +60,25 @@ class Cell:
     @property
     def learns(self) -> bool:
         """Whether there is a training."""
-        return self.algorithm == LEARNER
+        return self.algorithm in LEARNERS
+
+    @property
+    def steps(self) -> int:
+        """Control steps of its training; 0 without one."""
+        settings = self.training if self.recipe is None else self.recipe
+        return settings.steps if self.learns else 0
 
     def identity(self) -> dict[str, Any]:
         """What a result depends on, as JSON has it."""
         training = self.training.to_dict()
         kept = {name: value for name, value in training.items() if name not in NO_PART}
+        is_ppo = self.algorithm == LEARNER
         return {
             "levels": dict(self.levels),
             "seed": self.seed,
             "algorithm": self.algorithm,
-            "training": kept if self.learns else {"control": self.training.control},
+            "training": kept if is_ppo else {"control": self.training.control},
+            **({} if self.recipe is None else {"recipe": plain(self.recipe)}),
             "environment": json.loads(self.environment.to_json()),
             "episodes": self.episodes,
             "evaluation": self.evaluation,
@@ -115,6 +127,9 @@ class Cell:
                 evaluation=given["evaluation"],
                 continues=given["continues"],
                 wandb=given["wandb"],
+                recipe=recipe_of(given["algorithm"], given["recipe"])
+                if given["algorithm"] in RECIPES
+                else None,
             )
 
     def check(self, folder: Path) -> None:

@@ -8,6 +8,7 @@ from coopenv.arrays import whole
 from coopenv.errors import InvalidInput
 from coopenv.files import locked, require_folder
 
+from ..algorithms.recipes import require_installed
 from .cell import Cell
 from .grid import Experiment
 from .nodes import AT_A_TIME, Nodes, Spread
@@ -105,11 +106,13 @@ def check(
     cells = experiment.cells()
     if workers is not None:
         whole(workers, "workers", at_least=1)
-    if whole(tune, "tune", at_least=0) and search is None:
+    if whole(tune, "tune", at_least=0) and (search is None or not search.algorithms(experiment)):
         raise InvalidInput(
-            f"tune must come with a space that is searched, got {tune} without one; write "
-            "[search.space] into the file"
+            f"tune must come with a space of settings of an algorithm of the grid, got {tune} "
+            "without one; write [search.space] into the file, or [search.space.sac] for SAC's"
         )
+    for algorithm in dict.fromkeys(cell.algorithm for cell in cells):
+        require_installed(algorithm)
     return cells
 
 

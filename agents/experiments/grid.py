@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from coopenv.arrays import whole
-from coopenv.config import TransportConfig
 from coopenv.errors import CoopenvError, InvalidInput, UnknownName
 
 from ..provenance import Provenance
 from ..seeds import evaluation_seeds
-from ..settings import TrainConfig
+from .built import built
 from .cell import Cell, setting_name
 from .culprit import culprit
 from .levels import (
@@ -26,7 +25,6 @@ from .levels import (
     read_training,
 )
 from .lines import Place, Source
-from .terms import with_terms
 
 MOST_SEED = 999  # of a grid: those above are the search's
 MOST_CELLS = 100_000
@@ -159,7 +157,7 @@ class Experiment:
 
             def check(value: Any, read: Any = read, rest: Options = rest) -> Options:
                 made = read(value).over(rest)
-                _built(made)
+                built(made)
                 return made
 
             found = self._checked(check, given, (name,))
@@ -170,7 +168,7 @@ class Experiment:
 
         def check(value: Any) -> Options:
             options = read_level(level.axis, value)
-            _built(options.over(common), complete=False)
+            built(options.over(common), complete=False)
             return options
 
         self._checked(check, level.value, level.place)
@@ -195,8 +193,8 @@ class Experiment:
         for level in setting:
             together = options[level.axis, level.label].over(together)
         try:
-            training, environment = _built(together)
-            Provenance.of(training, environment)  # raises if it could not be written
+            made = built(together)
+            Provenance.of(made.training, made.environment)  # raises if it could not be written
         except CoopenvError as error:
             for level in setting:  # one that is wrong by itself is told with its own line
                 self._check_alone(level, common)
@@ -213,12 +211,13 @@ class Experiment:
                 levels={level.axis: level.label for level in setting},
                 seed=seed,
                 algorithm=together.algorithm,
-                training=replace(training, seed=seed),
-                environment=environment,
+                training=replace(made.training, seed=seed),
+                environment=made.environment,
                 episodes=self.episodes,
                 evaluation=0,
                 continues=self.continues,
                 wandb=self.wandb,
+                recipe=made.recipe,
             )
 
     def _require_short(self, setting: Sequence[Level]) -> None:
@@ -280,26 +279,3 @@ def _seeds(given: Any) -> tuple[int, ...]:
     if len(set(seeds)) < len(seeds):
         raise InvalidInput(f"seeds must each be there once, got {list(seeds)}; drop what repeats")
     return seeds
-
-
-def _built(options: Options, *, complete: bool = True) -> tuple[TrainConfig, TransportConfig]:
-    """Settings and environment of a run.
-
-    ``complete``: whether all levels are in it, so that whoever acts by a script has to find one.
-    """
-    env = options.environment.get("env", "")
-    if ":" in str(env):
-        raise InvalidInput(
-            f"env must be an id without a module in an experiment, got {env!r}; a file "
-            "imports nothing: train it with coopenv train --env"
-        )
-    training = TrainConfig(environment=options.choice(), threads=1, **options.training)
-    environment = training.environment.config()
-    if options.terms:
-        reward = with_terms(environment.terms, options.terms)
-        environment = replace(environment, reward=reward)
-    if complete and options.algorithm == "scripted":
-        from ..controllers import find_controller
-
-        find_controller(environment)
-    return training, environment

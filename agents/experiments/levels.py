@@ -8,18 +8,26 @@ from typing import Any, get_args, get_type_hints
 from coopenv.errors import InvalidInput, UnknownName
 from coopenv.physics.body import Body
 
+from ..algorithms import RECIPES, Recipe, recipe_of
+from ..algorithms.recipes import settings_in
 from ..environment import GROUPS, EnvironmentChoice
 from ..settings import TrainConfig
 from .lines import Place, Source
 
 LEARNER = "ppo"
-ALGORITHMS = (LEARNER, "scripted", "random")  # the last two learn nothing and cost little
+LEARNERS = (LEARNER, *RECIPES)
+ALGORITHMS = (*LEARNERS, "scripted", "random")  # the last two learn nothing and cost little
 OF_CELLS = ("environment", "control", "seed", "out", "fresh", "threads")  # said by the grid itself
 WHOLE = ("teams",)  # evaluated in environments of its own, of which a cell has one
 ENVIRONMENT = tuple(entry.name for entry in fields(EnvironmentChoice))
 TRAINING = tuple(
     entry.name for entry in fields(TrainConfig) if entry.name not in (*OF_CELLS, *WHOLE)
 )
+SETTINGS: Mapping[str, tuple[str, ...]] = {
+    LEARNER: TRAINING,
+    **{name: settings_in(name) for name in RECIPES},
+}
+"""Algorithm that learns -> settings of it that a level may say."""
 CONTROLS = get_args(get_type_hints(TrainConfig)["control"])
 LABEL = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,59}")  # of a level: part of a folder's name
 
@@ -31,7 +39,7 @@ AXES: Mapping[str, tuple[str, ...]] = {
     "observation": ("sensing", "observe", "bounded"),
     "action": ("action", "pushes", "hands", "actuators"),
     "control": ("control", "partner"),
-    "algorithm": ("name", *TRAINING),
+    "algorithm": ("name", *dict.fromkeys(name for each in SETTINGS.values() for name in each)),
 }
 
 
@@ -43,6 +51,8 @@ class Options:
     training: Mapping[str, Any] = field(default_factory=dict)
     terms: Mapping[str, Any] = field(default_factory=dict)
     algorithm: str = ""
+    own: Mapping[str, Any] = field(default_factory=dict)
+    """Settings of an algorithm of `RECIPES`, which are in ``training`` of no meaning."""
 
     def over(self, other: "Options") -> "Options":
         """These over others: tables of both are taken together, anything else is replaced."""
@@ -58,7 +68,22 @@ class Options:
             training={**other.training, **self.training},
             terms={**other.terms, **self.terms},
             algorithm=self.algorithm or other.algorithm,
+            own=self.own or other.own,
         )
+
+    def recipe(self) -> Recipe | None:
+        """Settings of an algorithm of `RECIPES`: its own, over what it shares with PPO.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them breaks its rule.
+        """
+        if self.algorithm not in RECIPES:
+            return None
+        shared = RECIPES[self.algorithm].SHARED
+        common = {name: self.training[name] for name in shared if name in self.training}
+        return recipe_of(self.algorithm, {**common, **self.own})
 
     def choice(self) -> EnvironmentChoice:
         """The environment, but for terms of the reward."""
@@ -198,12 +223,22 @@ def _algorithm(value: Mapping[str, Any]) -> Options:
     if name not in ALGORITHMS:
         raise UnknownName("name of algorithm", name, ALGORITHMS)
     rest = {key: entry for key, entry in value.items() if key != "name"}
-    if rest and name != LEARNER:
+    if rest and name not in LEARNERS:
         raise InvalidInput(
             f"algorithm {name!r} must come without settings of a training, got {sorted(rest)}; "
             "it learns nothing: leave them out"
         )
+    for key in rest:
+        if key not in SETTINGS[name]:
+            raise UnknownName(f"setting of {name}", key, SETTINGS[name])
+    if name in RECIPES:
+        return Options(own=rest, algorithm=name)
     return Options(training=_training(rest).training, algorithm=name)
+
+
+def algorithm_named(level: Any) -> str:
+    """The algorithm of a level of that axis, as it says it, known or not."""
+    return str(level.get("name", LEARNER) if isinstance(level, Mapping) else level)
 
 
 _READERS = {

@@ -208,7 +208,7 @@ class _Tally:
 
     def add(self, cell: Cell, steps: float | None) -> None:
         if steps is not None:
-            self._done[cell.folder] = min(float(steps), cell.training.steps)
+            self._done[cell.folder] = min(float(steps), cell.steps)
 
     def finish(self, cell: Cell) -> None:
         self._done[cell.folder] = _size(cell)
@@ -229,7 +229,7 @@ class _Tally:
 
 
 def _size(cell: Cell) -> float:
-    return (cell.training.steps if cell.learns else 0) + EPISODE * cell.episodes
+    return cell.steps + EPISODE * cell.episodes
 
 
 def _begin(folder: Path, errors: Any) -> subprocess.Popen:

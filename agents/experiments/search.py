@@ -19,9 +19,9 @@ from coopenv.files import written
 
 from .cell import FORMAT, RESULT, Cell, digest_of, read_json
 from .grid import MOST_SEED, Experiment
-from .levels import LEARNER, read_level
+from .levels import LEARNER, LEARNERS, algorithm_named
 from .report.measures import MEASURES, SUCCESS
-from .space import Space, check_entry, distributions_of, settings_of
+from .space import check_space, distributions_of, settings_of, space_of
 
 FIRST_SEED = MOST_SEED + 1  # of the trainings of a search
 EVALUATION = 1  # number of its evaluations; those of the experiment have 0
@@ -39,8 +39,9 @@ class Search:
     Parameters
     ----------
     space
-        Name of a setting -> ``{low, high}``, with ``log = true`` over orders of magnitude, or
-        ``{choices = [...]}``.
+        Name of a setting of PPO -> ``{low, high}``, with ``log = true`` over orders of magnitude,
+        or ``{choices = [...]}``; name of another algorithm that learns -> such a table of its
+        settings. An algorithm without any is not searched.
     seeds
         Trainings of every setting in a trial.
     objective
@@ -49,7 +50,7 @@ class Search:
         Axis -> labels of the levels that trials have; of other axes, and without it, all.
     """
 
-    space: Space = field(default_factory=dict)
+    space: Mapping[str, Any] = field(default_factory=dict)
     seeds: int = 2
     objective: str = SUCCESS
     only: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -75,14 +76,7 @@ class Search:
                 raise UnknownName("objective", given["objective"], MEASURES)
         _check_only(given.get("only", {}), experiment)
         space = given.get("space", {})
-        with at(("search", "space")):
-            if not isinstance(space, Mapping) or not space:
-                raise InvalidInput(
-                    f"space must be a table of settings, got {space!r}; write [search.space]"
-                )
-        for name, entry in space.items():
-            with at(("search", "space", name)):
-                check_entry(name, entry)
+        check_space(space, set(_named(experiment).values()), experiment.source)
         return cls(**given)
 
     def run(
@@ -112,22 +106,20 @@ class Search:
         require_optuna()
         whole(trials, "tune", at_least=1)
         tuned, found = experiment, {}
-        for label in self.algorithms(experiment):
+        for label, algorithm in self.algorithms(experiment).items():
             name = label or LEARNER
-            best = self._best(experiment, label, experiment.out / FOLDER / name, trials, run)
+            place = experiment.out / FOLDER / name
+            best = self._best(experiment, label, algorithm, place, trials, run)
             tuned, found[name] = tuned.over(label, best), best
         return tuned, found
 
-    def algorithms(self, experiment: Experiment) -> list[str | None]:
-        """Labels of the algorithms that learn; ``None`` for the one of a grid without that axis."""
-        levels = experiment.levels().get("algorithm")
-        if levels is None:
-            return [None]
-        return [
-            level.label
-            for level in levels
-            if read_level("algorithm", level.value).algorithm == LEARNER
-        ]
+    def algorithms(self, experiment: Experiment) -> dict[str | None, str]:
+        """Label -> algorithm of those that are searched; ``None`` in a grid without that axis."""
+        return {
+            label: algorithm
+            for label, algorithm in _named(experiment).items()
+            if algorithm in LEARNERS and space_of(self.space, algorithm)
+        }
 
     def cells(
         self, experiment: Experiment, label: str | None, settings: Mapping[str, Any]
@@ -148,18 +140,24 @@ class Search:
         ]
 
     def _best(
-        self, experiment: Experiment, label: str | None, folder: Path, trials: int, run: Run
+        self,
+        experiment: Experiment,
+        label: str | None,
+        algorithm: str,
+        folder: Path,
+        trials: int,
+        run: Run,
     ) -> dict[str, Any]:
         import optuna
 
         optuna.logging.set_verbosity(optuna.logging.WARNING)
-        higher = MEASURES[self.objective].higher
+        higher, space = MEASURES[self.objective].higher, space_of(self.space, algorithm)
         study = optuna.create_study(direction="maximize" if higher else "minimize")
         for trial_number in range(trials):
             place = folder / f"trial_{trial_number:03d}"
             study.sampler = optuna.samplers.TPESampler(seed=trial_number)
-            trial = study.ask(distributions_of(self.space))
-            settings = settings_of(self.space, trial.params)
+            trial = study.ask(distributions_of(space, algorithm))
+            settings = settings_of(space, trial.params)
             value = self._value(experiment, label, settings, place, run)
             state = optuna.trial.TrialState
             study.tell(trial, value, None if value is not None else state.FAIL)
@@ -168,7 +166,7 @@ class Search:
                 f"search must have a trial that comes to an end, got none of {trials}; look at "
                 f"failure.txt below {folder}, and narrow the space"
             )
-        return settings_of(self.space, study.best_trial.params)
+        return settings_of(space, study.best_trial.params)
 
     def _value(
         self,
@@ -220,6 +218,14 @@ def require_optuna() -> None:
         import optuna  # noqa: F401
     except ImportError as error:
         raise MissingExtra("a search over settings", "search") from error
+
+
+def _named(experiment: Experiment) -> dict[str | None, str]:
+    """Label -> algorithm, as the level says it; ``None`` in a grid without that axis."""
+    levels = experiment.levels().get("algorithm")
+    if levels is None:
+        return {None: LEARNER}
+    return {level.label: algorithm_named(level.value) for level in levels}
 
 
 def _check_only(given: Any, experiment: Experiment) -> None:

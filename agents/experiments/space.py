@@ -1,24 +1,32 @@
 """Space of a search: which settings it draws, from where, and what Optuna is told of it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from coopenv.arrays import number, whole
 from coopenv.errors import InvalidInput, UnknownName
 
+from ..algorithms import RECIPES, recipe_of
 from ..settings import TrainConfig
-from .levels import TRAINING
+from .levels import ALGORITHMS, LEARNER, SETTINGS
+from .lines import Place, Source
 
 RANGE = ("low", "high", "log")
-UNSEARCHED = ("hidden",)  # lists: to be chosen from, but in no range
 
 Space = Mapping[str, Mapping[str, Any]]
 """Setting -> ``{low, high}``, perhaps with ``log``, or ``{choices}``."""
 
 
-def distributions_of(space: Space) -> dict[str, Any]:
-    """Optuna's, one a setting; choices as JSON, as it takes no lists."""
+def space_of(spaces: Mapping[str, Any], algorithm: str) -> Space:
+    """What is searched of an algorithm: the table of its name, or what stands in none for PPO."""
+    if algorithm in RECIPES:
+        return spaces.get(algorithm, {})
+    return {name: entry for name, entry in spaces.items() if name not in RECIPES}
+
+
+def distributions_of(space: Space, algorithm: str = LEARNER) -> dict[str, Any]:
+    """Optuna's, one a setting of the algorithm; choices as JSON, as it takes no lists."""
     from optuna import distributions
 
     found: dict[str, Any] = {}
@@ -29,7 +37,7 @@ def distributions_of(space: Space) -> dict[str, Any]:
         else:
             kind = (
                 distributions.IntDistribution
-                if _is_whole(name)
+                if _is_whole(name, algorithm)
                 else distributions.FloatDistribution
             )
             found[name] = kind(entry["low"], entry["high"], log=entry.get("log", False))
@@ -44,10 +52,50 @@ def settings_of(space: Space, drawn: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def check_entry(name: str, entry: Any) -> None:
-    """Raise unless a setting can be searched so, and the trainer takes the ends of what it says."""
-    if name not in TRAINING:
-        raise UnknownName("setting to be searched", name, TRAINING)
+def check_space(space: Any, algorithms: Collection[str], source: Source) -> None:
+    """Raise, with the line, unless each algorithm takes what is searched of it, and is there.
+
+    Parameters
+    ----------
+    space
+        What stands under ``[search.space]``.
+    algorithms
+        Of the grid, as its levels say them.
+    source
+        The file.
+    """
+    place: Place = ("search", "space")
+    known = {*ALGORITHMS}
+    with source.at(place):
+        if not isinstance(space, Mapping) or not space:
+            raise InvalidInput(
+                f"space must be a table of settings, got {space!r}; write [search.space]"
+            )
+    for name, entry in space.items():
+        with source.at((*place, name)):
+            if name not in RECIPES:
+                check_entry(name, entry)
+                continue
+            if not isinstance(entry, Mapping) or not entry:
+                raise InvalidInput(
+                    f"space of {name} must be a table of its settings, got {entry!r}; write "
+                    f"[search.space.{name}]"
+                )
+            if name not in algorithms and known.issuperset(algorithms):  # else told by its level
+                raise InvalidInput(
+                    f"space of {name} must be of an algorithm of the grid, got one that is no "
+                    "level of it; add the level, or drop the space"
+                )
+        for setting, own in entry.items():
+            with source.at((*place, name, setting)):
+                check_entry(setting, own, name)
+
+
+def check_entry(name: str, entry: Any, algorithm: str = LEARNER) -> None:
+    """Raise unless a setting can be searched so, and its algorithm takes the ends of it."""
+    if name not in SETTINGS[algorithm]:
+        known = SETTINGS[algorithm] if algorithm in RECIPES else (*SETTINGS[algorithm], *RECIPES)
+        raise UnknownName("setting to be searched", name, known)
     for key in entry if isinstance(entry, Mapping) else ():
         if key not in ("choices", *RANGE):
             raise UnknownName(f"entry of the space of {name}", key, ("choices", *RANGE))
@@ -65,7 +113,7 @@ def check_entry(name: str, entry: Any) -> None:
         if not isinstance(values, list) or not values:
             raise InvalidInput(f"choices of {name} must be a list of them, got {values!r}")
     else:
-        values = [_end(name, entry, key) for key in ("low", "high")]
+        values = [_end(name, entry, key, algorithm) for key in ("low", "high")]
         if not values[0] < values[1]:
             raise InvalidInput(f"low of {name} must be below high, got {values}; exchange them")
         if not isinstance(entry.get("log", False), bool):
@@ -75,17 +123,25 @@ def check_entry(name: str, entry: Any) -> None:
                 f"low of {name} must be positive with log, got {values[0]}; raise it"
             )
     for value in values:
-        given = tuple(value) if isinstance(value, list) else value
-        TrainConfig(**{"steps": 10**9, name: given})
+        _settings({"steps": 10**9, name: value}, algorithm)
 
 
-def _end(name: str, entry: Mapping[str, Any], key: str) -> float:
-    if name in UNSEARCHED:
+def _settings(given: Mapping[str, Any], algorithm: str = LEARNER) -> Any:
+    """Settings of a training, which raise where one breaks its rule; the others are defaults."""
+    if algorithm in RECIPES:
+        return recipe_of(algorithm, given)
+    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
+    return TrainConfig(**values)
+
+
+def _end(name: str, entry: Mapping[str, Any], key: str, algorithm: str) -> float:
+    default = getattr(_settings({}, algorithm), name)
+    if isinstance(default, tuple | str | bool):
         raise InvalidInput(f"space of {name} must be choices, got a range; list some")
-    if _is_whole(name):
+    if _is_whole(name, algorithm):
         return whole(entry[key], f"{key} of {name}", at_least=0)
     return number(entry[key], f"{key} of {name}")
 
 
-def _is_whole(name: str) -> bool:
-    return isinstance(getattr(TrainConfig(), name), int)
+def _is_whole(name: str, algorithm: str) -> bool:
+    return isinstance(getattr(_settings({}, algorithm), name), int)

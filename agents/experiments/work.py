@@ -37,7 +37,8 @@ Report = Callable[[dict[str, Any]], None]
 def work(folder: Path, report: Report = lambda said: None) -> Evaluation:
     """Do what a cell's folder says, and leave ``evaluation.json`` there.
 
-    A cell that learns is a run of `coopenv.agents.train.train` in the same folder.
+    A cell that learns is a run of `coopenv.agents.train.train` in the same folder, or of
+    `coopenv.agents.algorithms.train.train_by`, which begins anew whatever ``continues`` says.
 
     Raises
     ------
@@ -86,12 +87,18 @@ def _policy(
         from ..controllers import find_controller
 
         return find_controller(cell.environment)
-    from ..train import train
-    from ..training.checkpoint import POLICY
 
     def told(row: dict[str, float]) -> None:
         report({"steps": row["steps"]})
         track(row)
+
+    if cell.recipe is not None:
+        from ..algorithms.train import train_by
+
+        placed = replace(cell.training, out=folder)
+        return train_by(cell.recipe, placed, environment=cell.environment, report=told)
+    from ..train import train
+    from ..training.checkpoint import POLICY
 
     anew = not cell.continues and not (folder / POLICY).exists()
     return train(

@@ -13,7 +13,7 @@ from ..trained import read_notes
 from ..trained.record import RECORD
 from .checkpoint import CHECKPOINT, POLICY
 
-LOG = "ppo"  # what TensorBoard's folders begin with
+LOGS, LOG = "tensorboard", "ppo"  # TensorBoard's folders, and what they begin with
 SETTINGS = "config.json"
 WRITTEN = (  # beside the policy; the last three by ``coopenv train``
     *(SETTINGS, "curves.csv", "curves.png"),
@@ -51,7 +51,12 @@ def clear(out: Path) -> None:
         return
     for name in (POLICY, CHECKPOINT, *WRITTEN):
         (out / name).unlink(missing_ok=True)
-    for log in (out / "tensorboard").glob(f"{LOG}_*/events.out.tfevents.*"):
+    clear_logs(out, LOG)
+
+
+def clear_logs(out: Path, name: str) -> None:
+    """Remove TensorBoard's events of runs that are called so; what else lies there stays."""
+    for log in (out / LOGS).glob(f"{name}_*/events.out.tfevents.*"):
         log.unlink()
         with suppress(OSError):  # a folder with something else in it stays
             log.parent.rmdir()

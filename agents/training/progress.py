@@ -144,7 +144,8 @@ class Watch(BaseCallback):
         self._ended = []
 
     def _on_step(self) -> bool:
-        ended = {k: episode_of(info) for k, info in enumerate(self.locals["infos"]) if info}
+        infos = self.locals["infos"]  # where there is a cost, every step has one that tells it
+        ended = {k: episode_of(info) for k, info in enumerate(infos) if "episode" in info}
         self._ended += ended.values()
         if self._early:
             self._first = {**ended, **self._first}

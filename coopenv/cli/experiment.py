@@ -218,7 +218,7 @@ def _plan(experiment: "Experiment", cells: int) -> dict[str, Any]:
         "axes": {axis: [level.label for level in each] for axis, each in levels},
         "seeds": experiment.seeds,
         "cells": cells,
-        "steps": sum(cell.training.steps for cell in experiment.cells() if cell.learns),
+        "steps": sum(cell.steps for cell in experiment.cells()),
         "episodes": experiment.episodes,
         "folder": experiment.out,
     }

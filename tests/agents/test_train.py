@@ -51,6 +51,14 @@ def test_a_run_leaves_policy_configuration_curves_and_logs(tmp_path, undrawn, mo
     assert PPO.load(tmp_path / "policy.zip").num_timesteps == 128
 
 
+def test_curves_tell_the_cost_of_an_environment_that_has_one(tmp_path, undrawn, monkeypatch):
+    monkeypatch.setattr(curves, "draw", undrawn)
+    rows = []
+    train(tiny(tmp_path), environment=replace(SHORT, cost="waste"), report=rows.append)
+    assert [row["episodes"] for row in rows] == [4, 4, 4, 4]
+    assert all(row["cost"] > 0 for row in rows)
+
+
 def test_the_same_seed_gives_the_same_policy_and_another_one_another(tmp_path):
     first = weights(train(tiny(tmp_path / "a"), environment=SHORT))
     second = weights(train(tiny(tmp_path / "b"), environment=SHORT))

@@ -128,7 +128,7 @@ def test_a_curve_tells_of_the_episodes_that_ended_within_a_horizon():
 
 def test_truncated_episodes_are_no_ends_to_sac():
     venv = make_vec_env(num_worlds=2, horizon=3, seed=0)
-    settings = sac.sac_settings(sac.Recipe(steps=12, random_steps=100, hidden=(8,)), [1.0] * 44)
+    settings = sac.sac_settings(sac.Recipe(steps=200, random_steps=100, hidden=(8,)), [1.0] * 44)
     model = sac.SAC("MlpPolicy", venv, **settings)
     model.learn(12)
     buffer = model.replay_buffer

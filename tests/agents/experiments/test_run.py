@@ -53,6 +53,9 @@ def finished(tmp_path_factory):
 @pytest.mark.parametrize("tune", [0, 3])
 def test_a_search_changes_the_grid_before_its_cells_run_if_it_has_trials(tune, tmp_path):
     class Found(Search):
+        def algorithms(self, experiment) -> dict[str | None, str]:
+            return {None: "ppo"}
+
         def run(self, experiment, trials, run):
             return replace(experiment, seeds=1), {"ppo": {"trials": trials}}
 

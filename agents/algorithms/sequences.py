@@ -1,0 +1,37 @@
+"""A recurrent policy of sb3-contrib that goes over a whole sequence at once.
+
+The parent steps through time in Python as soon as any episode begins in a batch, which costs most
+of the training. Its buffer cuts sequences where episodes begin, so that one begins at the first
+step of a sequence alone, and there that is a state of zero to begin from.
+"""
+
+from itertools import pairwise
+
+import torch
+from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
+from torch import nn
+
+States = tuple[torch.Tensor, torch.Tensor]  # hidden and cell, (layer, sequence, unit)
+
+
+class WholeSequences(RecurrentActorCriticPolicy):
+    """The parent's policy and outputs, in less time."""
+
+    @staticmethod
+    def _process_sequence(
+        features: torch.Tensor, lstm_states: States, episode_starts: torch.Tensor, lstm: nn.LSTM
+    ) -> tuple[torch.Tensor, torch.Tensor]:  # as the parent says, though states are a pair
+        """See the parent; steps are taken together up to where an episode begins."""
+        hidden, cell = lstm_states
+        sequences = hidden.shape[1]
+        steps = features.reshape(sequences, -1, lstm.input_size).swapaxes(0, 1)
+        kept = 1.0 - episode_starts.reshape(sequences, -1).T  # (step, sequence)
+        begins = (kept[1:] < 1.0).any(dim=1).nonzero().flatten() + 1
+        bounds = [0, *begins.tolist(), len(steps)]
+        outputs = []
+        for first, end in pairwise(bounds):
+            keep = kept[first][None, :, None]
+            output, (hidden, cell) = lstm(steps[first:end], (keep * hidden, keep * cell))
+            outputs.append(output)
+        flat = torch.cat(outputs).transpose(0, 1).flatten(end_dim=1)
+        return flat, (hidden, cell)  # pyright: ignore[reportReturnType]
