@@ -4,7 +4,8 @@ import pytest
 
 pytest.importorskip("rich")
 
-from benchmarks import board, pages
+from benchmarks import pages
+from benchmarks.board import tables as board
 from coopenv.agents.benchmark import SUITES, conduct, plan, read_entry
 from coopenv.agents.benchmark.summary import Summary
 
