@@ -64,17 +64,18 @@ def told(
 
 
 def recorded(training: Mapping[str, Any]) -> int | None:
-    """Control steps of a run that ``coopenv train`` recorded, in whole rollouts.
+    """Control steps of a training that a file records, of ``coopenv train`` in whole rollouts.
 
     The most that it may have taken where it was to end at a rate of success. ``None`` where the
-    record is none of such a run.
+    record has no steps.
     """
-    named = [training.get(name) for name in ("steps", "num_worlds", "rollout")]
-    counts = [count for count in named if type(count) is int and count > 0]
-    if len(counts) < len(named):
-        return None
-    steps, num_worlds, rollout = counts
-    return ceil(steps / (num_worlds * rollout)) * num_worlds * rollout
+    steps, worlds, rollout = (
+        value if type(value := training.get(name)) is int and value > 0 else None
+        for name in ("steps", "num_worlds", "rollout")
+    )
+    if steps is None or worlds is None or rollout is None:
+        return steps
+    return ceil(steps / (worlds * rollout)) * worlds * rollout
 
 
 def said(every: Sequence[Trained | None]) -> str:
