@@ -3,18 +3,20 @@
 python -m benchmarks.board.learners                       # trains what runs/board lacks
 python -m benchmarks.board.learners --only bodies-joint-0
 
-Each is one run of ``coopenv train`` in a folder of its own, so the same command goes on after a
-kill. At the end stands the command that enters each.
+Each is one run of `coopenv.agents.train.train` in a folder of its own: what is finished is taken as
+it is, and after a kill the same command goes on.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import tyro
 from rich.console import Console
 
+from benchmarks.board import hands
 from coopenv import TransportConfig
 from coopenv.agents.benchmark import SUITES
 from coopenv.agents.settings import EnvironmentChoice, TrainConfig
@@ -22,40 +24,44 @@ from coopenv.agents.train import train
 from coopenv.agents.training.presets import train_config
 from coopenv.errors import UnknownName
 
-OUT = Path("runs/board")
 WITHIN = "within the training range"  # scenario of the suite of bodies
+HANDS_STEPS = 600_000  # of each of the two by hands
+Run = tuple[TrainConfig, TransportConfig | None]  # None: the environment that the settings name
 
 
-@dataclass(frozen=True, kw_only=True)
-class Learner:
-    """A training for a suite, by ``coopenv train`` with what is changed of it."""
-
-    suite: str
-    config: TrainConfig
-    environment: TransportConfig | None = None
-    """What it learns in, if ``config`` does not say it all."""
-
-
-def _of_bodies(control: Any, seed: int) -> Learner:
+def of_bodies(control: Any, seed: int, out: Path) -> Run:
     """In the range of bodies that the suite allows."""
     (within,) = (one for one in SUITES["bodies"].scenarios if one.name == WITHIN)
-    config = TrainConfig(control=control, seed=seed)
-    return Learner(suite="bodies", config=config, environment=within.config)
+    return TrainConfig(control=control, seed=seed), within.config
 
 
-def _beside_population(**changes: Any) -> Learner:
+def beside_population(seed: int, steps: int, out: Path) -> Run:
     """Beside the partners that those of the suite are unlike."""
     choice = EnvironmentChoice(partner="population")
-    return Learner(suite="partners", config=train_config(choice, control="partner", **changes))
+    return train_config(choice, control="partner", seed=seed, steps=steps), None
 
 
-LEARNERS: Mapping[str, Learner] = {
-    "bodies-joint-0": _of_bodies("joint", 0),
-    "bodies-shared-0": _of_bodies("shared", 0),
-    "bodies-joint-1": _of_bodies("joint", 1),
-    "bodies-shared-1": _of_bodies("shared", 1),
-    "population-0": _beside_population(seed=0),
-    "population-long-0": _beside_population(seed=0, steps=1_800_000),
+def leading(out: Path) -> Run:
+    """By hands and told the goal, beside the partner that gives way."""
+    config = TrainConfig(control="partner", steps=HANDS_STEPS)
+    return config, hands.environment("compliant", agent=1)
+
+
+def following(out: Path) -> Run:
+    """By hands and not told the goal, beside the leader."""
+    config = TrainConfig(control="partner", steps=HANDS_STEPS)
+    return config, hands.environment(f"{hands.policy_of(hands.LEADER, out)}", agent=0)
+
+
+LEARNERS: Mapping[str, Callable[[Path], Run]] = {  # name -> its run; a partner before who needs it
+    "bodies-joint-0": partial(of_bodies, "joint", 0),
+    "bodies-shared-0": partial(of_bodies, "shared", 0),
+    "bodies-joint-1": partial(of_bodies, "joint", 1),
+    "bodies-shared-1": partial(of_bodies, "shared", 1),
+    "population-0": partial(beside_population, 0, 900_000),
+    "population-long-0": partial(beside_population, 0, 1_800_000),
+    hands.LEADER: leading,
+    hands.FOLLOWER: following,
 }
 
 
@@ -65,7 +71,7 @@ class Learners:
 
     only: tuple[str, ...] = ()
     """Names; none: all."""
-    out: Path = OUT
+    out: Path = hands.OUT
     """Folder for the runs."""
 
     def __post_init__(self) -> None:
@@ -76,11 +82,12 @@ class Learners:
 
 def run(asked: Learners, tell: Callable[[str], None] = print) -> None:
     """Train each; what is finished is taken as it is."""
-    for name in asked.only or LEARNERS:
-        learner = LEARNERS[name]
+    for name, made in LEARNERS.items():
+        if asked.only and name not in asked.only:
+            continue
         tell(f"{name}:")
-        config = replace(learner.config, out=asked.out / name)
-        train(config, environment=learner.environment, tell=tell)
+        config, environment = made(asked.out)
+        train(replace(config, out=asked.out / name), environment=environment, tell=tell)
 
 
 def main() -> None:
