@@ -35,10 +35,10 @@ def of_bodies(control: Any, seed: int, out: Path) -> Run:
     return TrainConfig(control=control, seed=seed), within.config
 
 
-def beside_population(seed: int, steps: int, out: Path) -> Run:
+def beside_population(seed: int, out: Path) -> Run:
     """Beside the partners that those of the suite are unlike."""
     choice = EnvironmentChoice(partner="population")
-    return train_config(choice, control="partner", seed=seed, steps=steps), None
+    return train_config(choice, control="partner", seed=seed), None
 
 
 def leading(out: Path) -> Run:
@@ -58,8 +58,7 @@ LEARNERS: Mapping[str, Callable[[Path], Run]] = {  # name -> its run; a partner 
     "bodies-shared-0": partial(of_bodies, "shared", 0),
     "bodies-joint-1": partial(of_bodies, "joint", 1),
     "bodies-shared-1": partial(of_bodies, "shared", 1),
-    "population-0": partial(beside_population, 0, 900_000),
-    "population-long-0": partial(beside_population, 0, 1_800_000),
+    "population-0": partial(beside_population, 0),
     hands.LEADER: leading,
     hands.FOLLOWER: following,
 }

@@ -13,11 +13,13 @@ from benchmarks.board import hands, learners, tables
 from benchmarks.board.learners import LEARNERS, Learners
 from coopenv import Transport
 from coopenv.agents.benchmark import SUITES, plan, read_entry, read_summary
+from coopenv.agents.controllers import Follower
 from coopenv.agents.pretrained import load
 from coopenv.agents.settings import TrainConfig
 from coopenv.errors import InvalidInput, UnknownName
 
 HAPTICS = SUITES["haptics"]
+BOTH = hands.LEADER, hands.FOLLOWER
 TINY = {"num_worlds": 4, "rollout": 8, "epochs": 1, "batch_size": 16, "hidden": (8,)}
 
 
@@ -27,7 +29,7 @@ def hands_trained(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(learners, "TrainConfig", lambda **given: short(TrainConfig(**given)))
-        for name in (hands.LEADER, hands.FOLLOWER):
+        for name in BOTH:
             learners.run(Learners(only=(name,), out=out), tell=lambda line: None)
     return out
 
@@ -46,7 +48,7 @@ def test_learners_of_bodies_train_within_what_the_suite_allows():
 def test_every_learner_is_within_the_budget_of_its_suite():
     suites = {"bodies": "bodies", "population": "partners"}
     for name, made in LEARNERS.items():
-        if name not in hands.PLACES.values():
+        if name not in BOTH:
             config, _ = made(Path("runs"))
             assert config.steps <= SUITES[suites[name.partition("-")[0]]].budget
     assert HAPTICS.budget >= 2 * learners.HANDS_STEPS
@@ -54,7 +56,7 @@ def test_every_learner_is_within_the_budget_of_its_suite():
 
 def test_learners_by_hands_learn_in_what_the_suite_shows(hands_trained):
     scenario = HAPTICS.scenarios[0].config
-    for name in (hands.LEADER, hands.FOLLOWER):
+    for name in BOTH:
         _, environment = LEARNERS[name](hands_trained)
         assert environment is not None
         kept = ("action", "observe", "informed", "task", "reward", "dt")
@@ -62,29 +64,33 @@ def test_learners_by_hands_learn_in_what_the_suite_shows(hands_trained):
             assert getattr(environment, field) == getattr(scenario, field), field
 
 
-def test_the_pair_acts_each_by_its_own_policy_and_sees_what_it_observes(hands_trained):
+def test_the_pair_acts_each_by_its_own_policy(hands_trained, monkeypatch):
+    monkeypatch.setattr(hands, "OUT", hands_trained)
     config = HAPTICS.scenarios[1].config
     core = Transport(num_worlds=3, config=config)
     obs, _ = core.reset(seed=1)
     transition = core.transition
     assert transition is not None
-    given = hands.Pair(hands_trained)(obs, transition)
-    for agent, name in hands.PLACES.items():
+    given, other = hands.pair(config)(obs, transition), hands.led(config)(obs, transition)
+    for agent, name in enumerate(BOTH):
         mine = load(hands.policy_of(name, hands_trained))(obs, transition)
         np.testing.assert_array_equal(given[:, agent], mine[:, agent])
+    np.testing.assert_array_equal(other[:, 0], given[:, 0])
+    np.testing.assert_array_equal(other[:, 1], Follower(config)(obs, transition)[:, 1])
 
 
 def test_the_pair_is_entered_by_hands_alone(hands_trained, monkeypatch):
-    monkeypatch.setattr(hands.Pair.__init__, "__defaults__", (hands_trained,))
-    entry = read_entry("benchmarks.board.hands:pair", trained=128)
-    planned = plan([entry], [HAPTICS])
-    entered = [cell.scenario.name for cell in planned.cells]
-    assert entered == ["motion, 7.7 kg", "motion, 20 kg"]
+    monkeypatch.setattr(hands, "OUT", hands_trained)
+    for name in ("pair", "led"):
+        planned = plan([read_entry(f"benchmarks.board.hands:{name}", trained=128)], [HAPTICS])
+        entered = [cell.scenario.name for cell in planned.cells]
+        assert entered == ["motion, 7.7 kg", "motion, 20 kg"]
 
 
-def test_a_pair_that_was_not_trained_says_how_it_is(tmp_path):
+def test_a_pair_that_was_not_trained_says_how_it_is(tmp_path, monkeypatch):
+    monkeypatch.setattr(hands, "OUT", tmp_path)
     with pytest.raises(InvalidInput, match=r"run python -m benchmarks\.board\.learners"):
-        hands.Pair(tmp_path)
+        hands.pair(HAPTICS.scenarios[0].config)
 
 
 def test_a_learner_that_is_not_known_is_refused():
