@@ -35,6 +35,11 @@ def of_bodies(control: Any, seed: int, out: Path) -> Run:
     return TrainConfig(control=control, seed=seed), within.config
 
 
+def of_one_body(control: Any, seed: int, out: Path) -> Run:
+    """With the one body that the default has, for as many steps: for comparison."""
+    return TrainConfig(control=control, seed=seed), None
+
+
 def beside_population(seed: int, out: Path) -> Run:
     """Beside the partners that those of the suite are unlike."""
     choice = EnvironmentChoice(partner="population")
@@ -56,8 +61,7 @@ def following(out: Path) -> Run:
 LEARNERS: Mapping[str, Callable[[Path], Run]] = {  # name -> its run; a partner before who needs it
     "bodies-joint-0": partial(of_bodies, "joint", 0),
     "bodies-shared-0": partial(of_bodies, "shared", 0),
-    "bodies-joint-1": partial(of_bodies, "joint", 1),
-    "bodies-shared-1": partial(of_bodies, "shared", 1),
+    "one-body-shared-0": partial(of_one_body, "shared", 0),
     "population-0": partial(beside_population, 0),
     hands.LEADER: leading,
     hands.FOLLOWER: following,

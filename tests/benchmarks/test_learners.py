@@ -39,14 +39,14 @@ def short(config):
 
 
 def test_learners_of_bodies_train_within_what_the_suite_allows():
-    for name in ("bodies-joint-0", "bodies-shared-1"):
+    for name in ("bodies-joint-0", "bodies-shared-0"):
         config, environment = LEARNERS[name](Path("runs"))
         assert environment == SUITES["bodies"].scenarios[0].config
         assert name == f"bodies-{config.control}-{config.seed}"
 
 
 def test_every_learner_is_within_the_budget_of_its_suite():
-    suites = {"bodies": "bodies", "population": "partners"}
+    suites = {"bodies": "bodies", "one": "bodies", "population": "partners"}
     for name, made in LEARNERS.items():
         if name not in BOTH:
             config, _ = made(Path("runs"))
