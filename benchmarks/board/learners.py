@@ -26,18 +26,14 @@ from coopenv.errors import UnknownName
 
 WITHIN = "within the training range"  # scenario of the suite of bodies
 HANDS_STEPS = 600_000  # of each of the two by hands
+SHORT_STEPS = 400_000  # as many as the shared policy of the package has, for comparison
 Run = tuple[TrainConfig, TransportConfig | None]  # None: the environment that the settings name
 
 
-def of_bodies(control: Any, seed: int, out: Path) -> Run:
+def of_bodies(control: Any, seed: int, out: Path, **changes: Any) -> Run:
     """In the range of bodies that the suite allows."""
     (within,) = (one for one in SUITES["bodies"].scenarios if one.name == WITHIN)
-    return TrainConfig(control=control, seed=seed), within.config
-
-
-def of_one_body(control: Any, seed: int, out: Path) -> Run:
-    """With the one body that the default has, for as many steps: for comparison."""
-    return TrainConfig(control=control, seed=seed), None
+    return TrainConfig(control=control, seed=seed, **changes), within.config
 
 
 def beside_population(seed: int, out: Path) -> Run:
@@ -61,7 +57,7 @@ def following(out: Path) -> Run:
 LEARNERS: Mapping[str, Callable[[Path], Run]] = {  # name -> its run; a partner before who needs it
     "bodies-joint-0": partial(of_bodies, "joint", 0),
     "bodies-shared-0": partial(of_bodies, "shared", 0),
-    "one-body-shared-0": partial(of_one_body, "shared", 0),
+    "bodies-shared-short-0": partial(of_bodies, "shared", 0, steps=SHORT_STEPS),
     "population-0": partial(beside_population, 0),
     hands.LEADER: leading,
     hands.FOLLOWER: following,

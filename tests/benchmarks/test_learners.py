@@ -46,7 +46,7 @@ def test_learners_of_bodies_train_within_what_the_suite_allows():
 
 
 def test_every_learner_is_within_the_budget_of_its_suite():
-    suites = {"bodies": "bodies", "one": "bodies", "population": "partners"}
+    suites = {"bodies": "bodies", "population": "partners"}
     for name, made in LEARNERS.items():
         if name not in BOTH:
             config, _ = made(Path("runs"))
