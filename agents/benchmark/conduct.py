@@ -1,7 +1,7 @@
 """A benchmark from beginning to end: what is to be run, checked before; its episodes; summaries."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,6 +18,7 @@ from .meter import Meter
 from .rehearsal import rehearse, wrong
 from .scenario import Scenario, Suite
 from .summary import Result, Summary, read_summary
+from .trained import Trained
 
 
 class Show(Protocol):
@@ -35,6 +36,8 @@ class Cell:
     entry: Entry
     suite: Suite
     scenario: Scenario
+    trained: Trained | None = None
+    """What is told of the training behind the entry."""
 
     def file(self, out: Path) -> Path:
         """Of the summary it belongs to."""
@@ -74,7 +77,7 @@ def plan(entries: Sequence[Entry], suites: Sequence[Suite], only: Sequence[str] 
     ------
     InvalidInput, UnknownName
         If there is no such scenario, an entry acts wrongly in one, or says that it cannot act in
-        one that is named, or in any at all.
+        one that is named, or in any at all; or if what is told of its training cannot be.
     """
     names = [entry.name for entry in entries]
     for name in names:
@@ -90,7 +93,8 @@ def plan(entries: Sequence[Entry], suites: Sequence[Suite], only: Sequence[str] 
         for suite, one in chosen:
             why = rehearse(entry, one)
             if why is None:
-                cells.append(Cell(entry=entry, suite=suite, scenario=one))
+                trained = entry.trained(one)
+                cells.append(Cell(entry=entry, suite=suite, scenario=one, trained=trained))
                 continue
             whys.append(why)
             left_out[f"{entry.name} in {suite.name}: {one.name}"] = str(why)
@@ -102,7 +106,8 @@ def plan(entries: Sequence[Entry], suites: Sequence[Suite], only: Sequence[str] 
 def conduct(planned: Plan, out: Path, show: Show | None = None) -> Outcome:
     """Run what is not yet finished of a plan, and keep each result in a summary as it comes.
 
-    The same call after an interruption, or a kill, goes on: what is finished is kept.
+    The same call after an interruption, or a kill, goes on: what is finished is kept. What is told
+    of a training now stands in place of what was told before.
 
     Parameters
     ----------
@@ -130,11 +135,20 @@ def conduct(planned: Plan, out: Path, show: Show | None = None) -> Outcome:
             done = sum(each.suite.episodes for each in cells[:number])
             _tell(show, done, total, number, len(cells))
             path = cell.file(out)
-            if not _is_done(cell, kept[path]):
-                kept[path] = kept[path].with_result(cell.scenario.name, _tried(cell))
+            found = _finished(cell, kept[path])
+            if found != kept[path].results.get(cell.scenario.name):
+                kept[path] = kept[path].with_result(cell.scenario.name, found)
                 kept[path].save(path)
         _tell(show, total, total, len(cells), len(cells))
     return Outcome(summaries=kept, left_out=planned.left_out)
+
+
+def _finished(cell: Cell, summary: Summary) -> Result:
+    """The result that is there, with what is told of the training now; or a new one."""
+    kept = summary.results.get(cell.scenario.name)
+    if kept is None or kept.digest != cell.suite.digest_of(cell.scenario):
+        return _tried(cell)
+    return replace(kept, trained=kept.trained if cell.trained is None else cell.trained)
 
 
 def _tried(cell: Cell) -> Result:
@@ -164,6 +178,7 @@ def run(cell: Cell) -> Result:
         digest=suite.digest_of(one),
         sha256=entry.digest(one),
         measures={name: found[name] for name in measures.MEASURES},
+        trained=cell.trained,
     )
 
 
@@ -190,11 +205,6 @@ def _kept(cell: Cell, out: Path) -> Summary:
         versions=versions(),
         revision=revision(),
     )
-
-
-def _is_done(cell: Cell, summary: Summary) -> bool:
-    result = summary.results.get(cell.scenario.name)
-    return result is not None and result.digest == cell.suite.digest_of(cell.scenario)
 
 
 def _require_same(cell: Cell, summary: Summary, out: Path) -> None:

@@ -1,7 +1,7 @@
 """What is entered: scripted ones, functions of the user's own, files of trained policies."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -17,9 +17,11 @@ from ..controllers import find_controller
 from ..policy import Policy, RandomPolicy
 from ..pretrained.catalogue import FILES, read
 from ..pretrained.naming import file_of, is_name
+from ..provenance import Provenance
 from .own import Own
 from .scenario import Scenario
 from .seated import Seated
+from .trained import Trained, recorded, told
 
 TASK = "{task}"  # stands for the environment of a scenario in the name of a file
 WORDS = ("nobody", "random", "scripted")
@@ -41,6 +43,8 @@ class Entry:
     """What acts in a scenario; raises `InvalidInput` or `UnknownName` where it cannot."""
     digest: Callable[[Scenario], str | None]
     """SHA-256 of the file behind it."""
+    trained: Callable[[Scenario], Trained | None]
+    """How much training is behind it; ``None`` where it is not told."""
 
 
 class Nobody:
@@ -51,7 +55,14 @@ class Nobody:
         return np.zeros((*obs.shape[:2], transition.action.shape[2]))
 
 
-def read_entry(given: str, *, name: str | None = None, trust: bool = False) -> Entry:
+def read_entry(
+    given: str,
+    *,
+    name: str | None = None,
+    trust: bool = False,
+    trained: int | None = None,
+    seeds: int | None = None,
+) -> Entry:
     """What a name enters.
 
     Parameters
@@ -64,11 +75,15 @@ def read_entry(given: str, *, name: str | None = None, trust: bool = False) -> E
         What it is called; made of ``given`` by default.
     trust
         Whether files may run what they hold (`coopenv.agents.pretrained.load`).
+    trained, seeds
+        How much training is behind it (`coopenv.agents.benchmark.trained.Trained`); ``None``: what
+        a file of ``coopenv train`` records, and one seed.
 
     Raises
     ------
     InvalidInput, UnknownName
-        If there is nothing of that name, or it can be nothing that acts.
+        If there is nothing of that name, or it can be nothing that acts; or if less training is
+        told than a file records.
     """
     name = _label(given) if name is None else name
     if not name or _safe(name) != name:
@@ -76,10 +91,11 @@ def read_entry(given: str, *, name: str | None = None, trust: bool = False) -> E
             f"name must be of letters, digits, dots, underscores and dashes, got {name!r}; a file "
             "will bear it"
         )
+    training = {"steps": trained, "seeds": seeds}
     if is_name(given) or given.endswith(FILES):
-        return _of_file(given, name, trust)
+        return _of_file(given, name, trust, training)
     if given.partition(":")[0] in WORDS:
-        return _of_word(given, name)
+        return _of_word(given, name, training)
     if ":" not in given:
         raise InvalidInput(f"entry must be something that acts, got {given!r}; {REMEDY}")
     own = Own(given)
@@ -89,10 +105,11 @@ def read_entry(given: str, *, name: str | None = None, trust: bool = False) -> E
         sees=own.sees,
         policy=lambda scenario: own.policy(scenario.config),
         digest=lambda scenario: own.sha256,
+        trained=lambda scenario: told(given, **training),
     )
 
 
-def _of_word(given: str, name: str) -> Entry:
+def _of_word(given: str, name: str, training: Mapping[str, Any]) -> Entry:
     word, _, method = given.partition(":")
     if method and word != "scripted":
         raise InvalidInput(f"entry must have no method behind {word}, got {given!r}; leave it out")
@@ -108,10 +125,11 @@ def _of_word(given: str, name: str) -> Entry:
         sees="state" if word == "scripted" else "nothing",
         policy=makers[word],
         digest=lambda scenario: None,
+        trained=lambda scenario: told(given, **training, known=0),
     )
 
 
-def _of_file(given: str, name: str, trust: bool) -> Entry:
+def _of_file(given: str, name: str, trust: bool, training: Mapping[str, Any]) -> Entry:
     def file(scenario: Scenario) -> Path:
         path = file_of(given.replace(TASK, scenario.env))
         if not path.is_file():
@@ -121,6 +139,11 @@ def _of_file(given: str, name: str, trust: bool) -> Entry:
     def policy(scenario: Scenario) -> Policy:
         return _acting(read(file(scenario), trust=trust), scenario)
 
+    def trained(scenario: Scenario) -> Trained | None:
+        record = Provenance.read(file(scenario))
+        known = None if record is None else recorded(record.training)
+        return told(given, **training, known=known)
+
     if TASK not in given:  # then it is there or not, whatever the scenario
         read(file(Scenario(name="", env="")), trust=trust)
     return Entry(
@@ -129,6 +152,7 @@ def _of_file(given: str, name: str, trust: bool) -> Entry:
         sees="observation",
         policy=policy,
         digest=lambda scenario: sha256(file(scenario).read_bytes()).hexdigest(),
+        trained=trained,
     )
 
 

@@ -14,6 +14,7 @@ from ..environment import find_config
 
 EVALUATION = 18  # number of the evaluation: the same starts and goals for whatever is entered
 EPISODES = 200  # of each scenario, held out
+BUDGET = 2_000_000  # [control steps] of training, where a suite has no other
 HALVED, DOUBLED = 0.5, 2.0  # tolerances of place for which success is told as well
 PLACE = ("position_tolerance", "angle_tolerance", "height_tolerance", "mean_tolerance")
 
@@ -55,6 +56,9 @@ class Suite:
     scenarios: tuple[Scenario, ...]
     episodes: int = EPISODES
     evaluation: int = EVALUATION
+    budget: int = BUDGET
+    """Control steps that a policy may be trained for, over all worlds and all its seeds. More is
+    not refused, but marked, so that it is in no digest."""
 
     @property
     def label(self) -> str:

@@ -8,10 +8,12 @@ from typing import Any
 
 from typing_extensions import Self
 
+from coopenv.arrays import whole
 from coopenv.errors import InvalidInput
 from coopenv.files import plain, reading, written
 
 from .measures import MEASURES, SUCCESS, Estimate
+from .trained import Trained
 
 KIND = "coopenv.benchmark"
 FORMAT = 1
@@ -26,6 +28,8 @@ class Result:
     sha256: str | None
     """Of the file that was entered."""
     measures: Mapping[str, Estimate | None]
+    trained: Trained | None = None
+    """How much training is behind it; ``None`` where it is not told."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +45,11 @@ class Summary:
     revision: str | None
     results: Mapping[str, Result] = field(default_factory=dict)
     """By scenario."""
+
+    @property
+    def trained(self) -> tuple[Trained | None, ...]:
+        """How much training is behind the result of each scenario."""
+        return tuple(result.trained for result in self.results.values())
 
     def with_result(self, scenario: str, result: Result) -> Self:
         """A copy with what came of one more scenario."""
@@ -75,16 +84,18 @@ def read_summary(path: Path) -> Summary:
         given: dict[str, Any] = json.loads(text)
         if (given.pop("kind"), given.pop("format")) != (KIND, FORMAT):
             raise ValueError("another kind of file")
-        results = {
-            name: Result(**{**one, "measures": _measures(one["measures"])})
-            for name, one in given.pop("results").items()
-        }
+        results = {name: _result(one) for name, one in given.pop("results").items()}
         return Summary(**given, results=results)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise InvalidInput(
             f"{path} must be a summary of coopenv benchmark, got something else ({error}); remove "
             "it, or name another folder by --out"
         ) from error
+
+
+def _result(given: Mapping[str, Any]) -> Result:
+    read = {"measures": _measures(given["measures"]), "trained": _trained(given.get("trained"))}
+    return Result(**{**given, **read})
 
 
 def _measures(given: Mapping[str, Any]) -> dict[str, Estimate | None]:
@@ -97,9 +108,19 @@ def _measures(given: Mapping[str, Any]) -> dict[str, Estimate | None]:
     return found
 
 
+def _trained(given: Any) -> Trained | None:
+    if given is None:  # of a summary of before, or not told
+        return None
+    told = Trained(**given)
+    whole(told.steps, "trained.steps", at_least=0)
+    whole(told.seeds, "trained.seeds", at_least=1)
+    return told
+
+
 def _listed(result: dict[str, Any]) -> dict[str, Any]:
-    """Estimates as lists, which are shorter."""
+    """Estimates as lists, which are shorter; a training that is not told is left out."""
     measures = {
         name: None if one is None else list(one) for name, one in result["measures"].items()
     }
-    return {**result, "measures": measures}
+    told = {**result, "measures": measures}
+    return {name: value for name, value in told.items() if (name, value) != ("trained", None)}

@@ -13,13 +13,25 @@ pytest.importorskip("tyro")
 
 from benchmarks.learning import baselines
 from benchmarks.learning.algorithms import __main__ as command
-from benchmarks.learning.algorithms import mappo, ppo, recurrent, runs, sac, search, tables
+from benchmarks.learning.algorithms import (
+    mappo,
+    policies,
+    ppo,
+    recurrent,
+    runs,
+    sac,
+    search,
+    tables,
+)
 from benchmarks.learning.algorithms.curve import EVERY, Curve
 from benchmarks.learning.algorithms.space import OF, SEED
 from benchmarks.pages import filled
+from coopenv.agents.benchmark import Scenario, read_entry
+from coopenv.agents.benchmark.trained import Trained
 from coopenv.agents.evaluate import run_episodes
 from coopenv.agents.sb3 import feature_scale, make_vec_env
 from coopenv.agents.seeds import STOPPING
+from coopenv.agents.training.presets import train_config
 from tests.agents.training.cases import SHORT
 from tests.docs.snippets import Snippet, chains, running
 
@@ -154,6 +166,33 @@ def test_an_algorithm_trains_is_tested_saved_and_not_asked_for_again(name, tmp_p
     settings["num_worlds"] = 2  # other settings now, and no time
     command.run_all(replace(asked, minutes=0.0), told.append)
     assert told[-1] == "the budget is spent; the same command goes on"
+
+
+@pytest.mark.parametrize("name", runs.NAMES)
+def test_a_policy_that_is_kept_is_entered_and_acts_as_it_did(name, tmp_path, monkeypatch):
+    settings = {**runs.settings_of(name, "BeamLift"), **TINY[name]}
+    monkeypatch.setattr(MODULES[name], "settings", lambda env: settings)
+    monkeypatch.setattr(runs, "FOLDER", tmp_path / "runs")
+    monkeypatch.setattr(runs, "EPISODES", 2)
+    told: list[str] = []
+    asked = command.Algorithms(only=(name,), envs=("BeamLift",), policies=tmp_path)
+    (run,) = command.run_all(asked, told.append)
+    assert command.run_all(asked, told.append) == [run]  # which finds both
+    assert len(told) == 1
+    file = policies.file_of(tmp_path, name, "{task}", run.seed)
+    entry = read_entry(str(file))
+    scenario = Scenario(name="it", env="BeamLift", settings={"horizon": 10})
+    assert entry.trained(scenario) == Trained(64)
+    mine = run_episodes(entry.policy(scenario), scenario.config, episodes=3)
+    seeing = train_config("coopenv/BeamLift-v0").environment.config()
+    policy, _ = MODULES[name].learn("BeamLift", run.seed, settings)
+    again = run_episodes(policy, replace(seeing, horizon=10), episodes=3)
+    np.testing.assert_allclose(mine.reward, again.reward, atol=1e-4)
+    file_of_run = policies.file_of(tmp_path, name, "BeamLift", run.seed)
+    file_of_run.unlink()
+    command.run_all(asked, told.append)
+    assert len(told) == 2
+    assert file_of_run.exists()
 
 
 def test_actors_of_mappo_act_by_their_mean_or_by_samples_keyed_by_episode():

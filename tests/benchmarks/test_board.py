@@ -1,12 +1,16 @@
 """The pages of the benchmark: they show the summaries beside them, of these versions."""
 
+from dataclasses import replace
+
 import pytest
 
 pytest.importorskip("rich")
 
-from benchmarks import board, pages
+from benchmarks import pages
+from benchmarks.board import tables as board
 from coopenv.agents.benchmark import SUITES, conduct, plan, read_entry
 from coopenv.agents.benchmark.summary import Summary
+from coopenv.agents.benchmark.trained import Trained
 
 ENTERED = [(suite, one) for suite in SUITES.values() for one in board.summaries(suite)]
 
@@ -35,6 +39,19 @@ def test_summaries_of_the_packages_policies_are_of_those_it_has(suite, one: Summ
     for scenario in suite.scenarios:
         if scenario.name in one.results:
             assert one.results[scenario.name].sha256 == entry.digest(scenario)
+
+
+def test_what_is_beyond_a_budget_or_not_told_is_marked():
+    one = next(one for suite, one in ENTERED if (suite.name, one.entry) == ("team", "scripted"))
+
+    def told(trained):
+        results = {name: replace(each, trained=trained) for name, each in one.results.items()}
+        return replace(one, results=results)
+
+    most = SUITES["team"].budget
+    assert board.budget([told(Trained(most))]) == "within"
+    assert board.budget([told(Trained(most // 2, 3)), one]) == "over, in `team`"
+    assert board.budget([told(None), one]) == board.NONE
 
 
 def test_every_suite_has_a_reference_that_succeeds():

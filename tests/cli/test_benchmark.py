@@ -50,11 +50,28 @@ def test_a_dry_run_tries_everything_and_writes_nothing(tmp_path, monkeypatch, ca
     assert not list(tmp_path.iterdir())
 
 
+def test_what_is_not_told_of_a_training_or_beyond_the_budget_is_said_and_not_refused(
+    tmp_path, capsys
+):
+    command = ["benchmark", f"{HERE}sighted", "--only", "alone", f"--out={tmp_path}"]
+    for told, says in (
+        ([], "sighted in team-7: trained not told, of 2,000,000 control steps, is marked so"),
+        (["--trained=1000001", "--seeds=2"], "trained 1,000,001 × 2, of 2,000,000 control steps"),
+    ):
+        for dry in (["--dry-run"], []):
+            assert cli.main([*command, *told, *dry]) == 0
+            assert says in capsys.readouterr().out
+    assert cli.main([*command, "--trained=1000000", "--seeds=2"]) == 0
+    assert "of 2,000,000" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("given", "says"),
     [
         ([], "entries must name at least one, got none"),
         (["random", "nobody", "--name=it"], "name must be of a single entry, got 'it' for 2"),
+        (["random", "nobody", "--trained=5"], "trained must be of a single entry, got 5 for 2"),
+        ([f"{HERE}sighted", "--seeds=2"], "trained must be told beside seeds"),
         (["random", "--only", "alnoe"], "did you mean 'alone'"),
         (["nobody", f"{HERE}short"], "short must act in the scenario 'alone'"),
         (["scripted:nonesuch"], "nonesuch"),

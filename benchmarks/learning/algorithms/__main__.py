@@ -4,17 +4,20 @@ SAC and recurrent PPO with one policy for the team, and MAPPO, in every environm
 tested on the held-out episodes of `benchmarks.learning.baselines`, by its mean actions and by
 sampled ones. Runs that docs/training/algorithms holds are not run again, unless the settings are
 others now. Two processes may run at a time if no algorithm with an environment is of both.
-``--write`` puts the tables into docs/training/algorithms.md.
+``--write`` puts the tables into docs/training/algorithms.md. ``--policies FOLDER`` keeps the
+policies' files, for ``coopenv benchmark 'FOLDER/sac_{task}_0.zip' --name sac --suites team``.
 """
 
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import tyro
 from rich.console import Console
 
 from benchmarks.learning.algorithms import search, tables
+from benchmarks.learning.algorithms.policies import file_of
 from benchmarks.learning.algorithms.runs import NAMES, Name, Run, learn, save, saved, settings_of
 from benchmarks.learning.baselines import names
 from benchmarks.learning.budget import lacking
@@ -33,6 +36,8 @@ class Algorithms:
     """Training runs of each."""
     minutes: float = 60.0
     """Of the processor, after which no further training begins."""
+    policies: Path | None = None
+    """Folder in which policies are kept; runs whose policy it lacks are run again."""
     write: bool = False
     """Put the tables into docs/training/algorithms.md."""
 
@@ -51,14 +56,21 @@ def is_of(run: Run, name: Name, env: str, seed: int) -> bool:
     return mine == (name, env, seed, settings_of(name, env))
 
 
+def lacks_policy(asked: Algorithms, name: Name, env: str, seed: int) -> bool:
+    """Whether a run's policy is wanted and not there."""
+    folder = asked.policies
+    return folder is not None and not file_of(folder, name, env, seed).exists()
+
+
 def run_all(asked: Algorithms, tell: Callable[[str], None] = print) -> list[Run]:
     """Run what is lacking, until so many minutes of the processor are spent."""
 
     def is_done(piece: tuple[Name, str, int]) -> bool:
-        return any(is_of(run, *piece) for run in saved(*piece[:2]))
+        made = any(is_of(run, *piece) for run in saved(*piece[:2]))
+        return made and not lacks_policy(asked, *piece)
 
     for name, env, seed in lacking(planned(asked), is_done, asked.minutes, tell):
-        made = learn(name, env, seed)
+        made = learn(name, env, seed, asked.policies)
         save(made)
         tell(json.dumps(asdict(made)))
     return saved()

@@ -11,8 +11,8 @@ from sb3_contrib import RecurrentPPO
 from torch import nn
 from torch.nn.functional import pad
 
-from benchmarks.haptics.recurrent import States, WholeSequences
 from benchmarks.learning.algorithms.curve import Curve, Drawn
+from coopenv.agents.algorithms.sequences import States, WholeSequences
 from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale
 from coopenv.agents.seeds import training_seeds
 from coopenv.agents.settings import TrainConfig

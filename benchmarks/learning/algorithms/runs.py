@@ -4,8 +4,10 @@ import json
 import time
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Literal
 
+from benchmarks.learning.algorithms.policies import file_of, keep
 from benchmarks.learning.baselines import EPISODES, LEVELS, reached
 from benchmarks.learning.run import Outcome
 from benchmarks.pages import DOCS
@@ -33,14 +35,17 @@ def settings_of(name: Name, env: str) -> dict[str, Any]:
     return json.loads(json.dumps(module.settings(env)))
 
 
-def learn(name: Name, env: str, seed: int) -> Run:
-    """Train and evaluate."""
+def learn(name: Name, env: str, seed: int, kept: Path | None = None) -> Run:
+    """Train and evaluate; keep the policy in a folder, if any."""
     module, settings = import_module(f"{__package__}.{name}"), settings_of(name, env)
     environment = train_config(f"{PREFIX}{env}-v0").environment.config()
     with torch_threads(1):
         began = time.process_time()
         policy, curve = module.learn(env, seed, settings)
         seconds = time.process_time() - began
+        if kept is not None:
+            path = file_of(kept, name, env, seed)
+            keep(policy, path, environment, seed=seed, steps=curve.steps)
         seen = evaluate(policy, environment, episodes=EPISODES)
     whole = curve.num_worlds * environment.horizon  # control steps of one episode of each world
     assert seen.sampled_success_rate is not None

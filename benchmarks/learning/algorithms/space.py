@@ -60,7 +60,7 @@ OF: Mapping[Searched, Space] = {
             "WalkerAvoid": 200_000,
             "BeamLift": 200_000,
         },
-        start={name: value for name, value in asdict(Recipe(steps=1)).items() if name != "steps"},
+        start={name: value for name, value in asdict(Recipe()).items() if name != "steps"},
         changes=({}, {"discount": 0.99}, {"gradient_steps": 4}),
     ),
     "mappo": Space(

@@ -31,6 +31,11 @@ class Benchmark:
     """Scenarios of these suites by name, for example BeamDoorway, or "motion, 20 kg"."""
     name: str | None = None
     """What a single entry is called in tables and files."""
+    trained: int | None = None
+    """Control steps that a single entry was trained for, over all worlds; a file of coopenv train
+    says it by itself. More than the budget of a suite is marked, as is what is not told."""
+    seeds: int | None = None
+    """Trainings of other seeds out of which the best is entered, itself among them; each counts."""
     out: Path = Path("runs/benchmark")
     """Folder for the summaries."""
     trust: bool = False
@@ -42,7 +47,7 @@ class Benchmark:
         "coopenv benchmark scripted random --suites team --only BeamTransport",
         "coopenv benchmark 'pretrained:{task}/joint' --dry-run",
         "coopenv benchmark runs/carry/policy.npz --name carry --suites partners bodies",
-        "coopenv benchmark my_policies:act --suites haptics --json",
+        "coopenv benchmark my_policies:act --trained 500000 --seeds 3 --suites haptics --json",
     )
 
     def run(self) -> dict[str, Any]:
@@ -76,9 +81,11 @@ class Benchmark:
             raise InvalidInput(
                 "entries must name at least one, got none; for example: coopenv benchmark scripted"
             )
-        if self.name is not None and len(self.entries) > 1:
-            raise InvalidInput(
-                f"name must be of a single entry, got {self.name!r} for {len(self.entries)}; enter "
-                "them one by one"
-            )
-        return [read_entry(given, name=self.name, trust=self.trust) for given in self.entries]
+        single = {name: getattr(self, name) for name in ("name", "trained", "seeds")}
+        for what, told in single.items():
+            if told is not None and len(self.entries) > 1:
+                raise InvalidInput(
+                    f"{what} must be of a single entry, got {told!r} for {len(self.entries)}; "
+                    "enter them one by one"
+                )
+        return [read_entry(given, trust=self.trust, **single) for given in self.entries]

@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from coopenv.agents.benchmark import Outcome, Plan, Suite
+    from coopenv.agents.benchmark.trained import Trained
 
 SHOWN = ("success_rate", "success_time", "effort", "relative_cost", "internal_force_level")
 
@@ -26,6 +27,11 @@ def show_plan(planned: "Plan", suites: "Sequence[Suite]", console: "Console") ->
         highlight=False,
         soft_wrap=True,
     )
+    for suite in suites:
+        for name in dict.fromkeys(cell.entry.name for cell in cells if cell.suite is suite):
+            mine = (suite, name)
+            told = [cell.trained for cell in cells if (cell.suite, cell.entry.name) == mine]
+            _print_training(name, suite, told, console)
     scenarios = [
         {"entry": cell.entry.name, "suite": cell.suite.label, "scenario": cell.scenario.name}
         for cell in cells
@@ -54,8 +60,29 @@ def print_tables(outcome: "Outcome", suites: "Sequence[Suite]", console: "Consol
         if table.row_count:
             console.print(Text(f"{suite.label}: {suite.title} [95 % interval]", "table.title"))
             console.print(table)
+        for summary in mine:
+            _print_training(summary.entry, suite, summary.trained, console)
     for path in outcome.summaries:
         console.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _print_training(
+    entry: str, suite: "Suite", told: "Sequence[Trained | None]", console: "Console"
+) -> None:
+    """How much training is behind an entry, where that is not told or more than the budget."""
+    from coopenv.agents.benchmark.trained import UNTOLD, exceeds, said
+
+    if exceeds(told, suite.budget):
+        remedy = "is marked as over it"
+    elif said(told) == UNTOLD:
+        remedy = "is marked so; --trained STEPS says it"
+    else:
+        return
+    line = (
+        f"{entry} in {suite.label}: trained {said(told)}, of {suite.budget:,} control steps, "
+        f"{remedy}"
+    )
+    console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
 def document_of(outcome: "Outcome") -> dict[str, Any]:

@@ -1,17 +1,12 @@
-"""Tables of the benchmark, from the summaries in docs/benchmark: docs/benchmark.md, measures.md.
-
-python -m benchmarks.board            # prints the tables
-python -m benchmarks.board --write    # and writes the pages
-
-The summaries are what ``coopenv benchmark ... --out docs/benchmark`` leaves there.
-"""
+"""Tables of the benchmark, from the summaries in docs/benchmark: docs/benchmark.md, measures.md."""
 
 from collections.abc import Sequence
 
-from benchmarks.pages import DOCS, markdown, show
+from benchmarks.pages import DOCS, markdown
 from coopenv.agents.benchmark import SUITES, Scenario, Suite, Summary, read_summary
 from coopenv.agents.benchmark.measures import MEASURES, SUCCESS, shown
 from coopenv.agents.benchmark.suites.partners import CROSS_PLAY
+from coopenv.agents.benchmark.trained import UNTOLD, exceeds, said
 
 FOLDER = DOCS / "benchmark"
 PAGE, REST = DOCS / "benchmark.md", FOLDER / "measures.md"
@@ -81,10 +76,23 @@ def rest(suite: Suite) -> str:
 
 
 def entered() -> str:
-    """What each entry is and sees."""
+    """What each entry is and sees, and how much training is behind it."""
     every = [one for suite in SUITES.values() for one in summaries(suite)]
-    rows = {one.entry: (one.entry, f"`{one.given}`", one.sees) for one in every}
-    return markdown(("entry", "given as", "sees"), list(rows.values()))
+    rows = []
+    for entry, one in {one.entry: one for one in every}.items():
+        mine = [each for each in every if each.entry == entry]
+        told = [trained for each in mine for trained in each.trained]
+        rows.append((entry, f"`{one.given}`", one.sees, said(told), budget(mine)))
+    return markdown(("entry", "given as", "sees", "trained [control steps]", "budget"), rows)
+
+
+def budget(mine: Sequence[Summary]) -> str:
+    """Whether the training behind an entry is within the budgets of the suites that it is in."""
+    over = [one.suite for one in mine if exceeds(one.trained, SUITES[one.suite].budget)]
+    if over:
+        return f"over, in {' and '.join(f'`{name}`' for name in over)}"
+    told = [trained for one in mine for trained in one.trained]
+    return NONE if said(told) == UNTOLD else "within"
 
 
 def versions() -> str:
@@ -94,11 +102,14 @@ def versions() -> str:
             f"`{suite.name}`",
             str(suite.version),
             str(len(suite.scenarios)),
+            f"{suite.budget:,}",
             f"`{suite.digest()[:16]}`",
         )
         for suite in SUITES.values()
     ]
-    return markdown(("suite", "version", "scenarios", "digest begins"), rows)
+    return markdown(
+        ("suite", "version", "scenarios", "budget [control steps]", "digest begins"), rows
+    )
 
 
 def tables() -> dict[str, str]:
@@ -129,13 +140,3 @@ def _cell(one: Summary, suite: Suite, scenario: Scenario, name: str) -> str:
 def _pair(one: Summary, suite: Suite, scenario: Scenario) -> str:
     told: Sequence[str] = [_cell(one, suite, scenario, name) for name in (SUCCESS, "relative_cost")]
     return NONE if NONE in told else f"{told[0]} %, γ {told[1]}"
-
-
-def main() -> None:
-    """Print the tables; with ``--write`` also put them on the pages."""
-    show(PAGE, tables())
-    show(REST, measures())
-
-
-if __name__ == "__main__":
-    main()
