@@ -56,7 +56,7 @@ TINY = {
         "batch_size": 16,
         "epochs": 1,
         "units": 8,
-        "residual": True,
+        "residual": False,
     },
 }
 MODULES = {"ppo": ppo, "sac": sac, "mappo": mappo, "recurrent": recurrent}

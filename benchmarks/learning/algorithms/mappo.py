@@ -26,8 +26,8 @@ from examples.train_torchrl import Config, train
 SETTINGS = {"num_worlds": 256, "rollout": 32, "epochs": 5}  # beside what the example has
 MORE = {"minibatch": 512}  # more gradient steps, where those of the example's size were too few
 OF: Mapping[str, Mapping[str, int]] = {
-    "BeamTransport": {"total_steps": 300_000},
-    "BeamTracking": {"total_steps": 300_000},
+    "BeamTransport": {"total_steps": 300_000, **MORE},
+    "BeamTracking": {"total_steps": 300_000, **MORE},
     "WalkerTurn": {"total_steps": 1_000_000, **MORE},
     "BeamDoorway": {"total_steps": 1_800_000, **MORE},
     "WalkerAvoid": {"total_steps": 1_200_000, **MORE},
