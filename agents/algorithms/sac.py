@@ -49,10 +49,10 @@ class SACConfig:
     discount: float = 0.98
     """Per control step."""
     entropy: str | float = 0.02
-    """Weight of the entropy [reward / nat]; auto: learned towards the target, auto_0.1: from 0.1
+    """Its weight [reward / nat]. With auto it is learned towards the target, with auto_0.1 from 0.1
     on."""
     target_entropy: float | str = "auto"
-    """Where the weight is learned [nat]; auto: -1 for each number of an action."""
+    """Of a weight that is learned [nat]. With auto it is -1 for each number of an action."""
     hidden: tuple[int, ...] = (64, 64)
     """Layers of the policy's and of the critics' networks."""
     tau: float = 0.01
