@@ -64,11 +64,12 @@ def learn(name: Name, env: str, seed: int, kept: Path | None = None) -> Run:
     )
 
 
-def saved(name: str = "*", env: str = "*") -> list[Run]:
+def saved(name: Name | None = None, env: str = "*") -> list[Run]:
     """What was run so far, of one algorithm and environment or of all."""
     given = [
         each
-        for file in sorted(FOLDER.glob(f"{name}/{env}.json"))
+        for algorithm in (NAMES if name is None else (name,))
+        for file in sorted(FOLDER.glob(f"{algorithm}/{env}.json"))
         for each in json.loads(file.read_text(encoding="utf-8"))
     ]
     return [Run(**{**each, "reached": tuple(each["reached"])}) for each in given]
