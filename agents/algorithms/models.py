@@ -97,15 +97,19 @@ def _recurrent(
     require_installed("recurrent")
     from sb3_contrib import RecurrentPPO
 
-    from .sequences import WholeSequences
+    from ..learned.sequences import Residual, WholeSequences
 
     keywords = ppo_settings(recipe.of_ppo(seed), rows=venv.num_envs, scale=scale)
     keywords["policy_kwargs"]["lstm_hidden_size"] = recipe.units
-    return RecurrentPPO(WholeSequences, venv, tensorboard_log=log, **keywords)
+    policy = Residual if recipe.residual else WholeSequences
+    return RecurrentPPO(policy, venv, tensorboard_log=log, **keywords)
 
 
 def writable(model: BaseAlgorithm) -> BaseAlgorithm:
-    """The model; a recurrent one as of its parent's class, which a file can name and acts alike."""
-    if isinstance(model, OnPolicyAlgorithm):
+    """The model; a recurrent one as of its parent's class, which a file can name and acts alike.
+
+    One with a residual layer acts otherwise, and files know its class.
+    """
+    if isinstance(model, OnPolicyAlgorithm) and not hasattr(model.policy_class, "ALIAS"):
         model.policy_class = model.policy_aliases["MlpLstmPolicy"]
     return model

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from coopenv.arrays import whole
+from coopenv.errors import InvalidInput
 
 from ..settings import MOST_UNITS, TrainConfig
 
@@ -29,6 +30,9 @@ class RecurrentConfig:
 
     units: int = 64
     """Of the recurrent layer before the policy's network, and of that before the value's."""
+    residual: bool = False
+    """Whether features are added to what the recurrent layer makes of them, as far as it has
+    units."""
     steps: int = 300_000
     """Control steps, counted over all worlds, in whole rollouts."""
     num_worlds: int = _PPO.num_worlds
@@ -47,6 +51,10 @@ class RecurrentConfig:
         of_ppo = self.of_ppo()
         for name in OF_PPO:
             object.__setattr__(self, name, getattr(of_ppo, name))
+        if not isinstance(self.residual, bool):
+            raise InvalidInput(
+                f"residual must be True or False, got {self.residual!r}; give one of them"
+            )
         units = whole(self.units, "units", at_least=1, at_most=MOST_UNITS)
         object.__setattr__(self, "units", units)
 

@@ -32,6 +32,7 @@ _LEFT_OUT = (  # of the constructor: said elsewhere, or of one process alone
     *("monitor_wrapper", "_init_setup_model"),
     *("use_rms_prop", "rms_prop_eps"),  # of A2C, which keeps them in policy_kwargs
 )
+_RESIDUAL = "ResidualLstmPolicy"  # `sequences.Residual`, the one policy that is ours
 _PACKAGES = ("stable_baselines3.", "sb3_contrib.")  # whose classes of buffers are chosen anew
 
 
@@ -124,14 +125,21 @@ def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: i
     return model
 
 
-def _policy(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm]) -> str:
+def _policy(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm]) -> str | type:
     name = blueprint["policy"]
+    if (algorithm.__module__.partition(".")[0], name) == ("sb3_contrib", _RESIDUAL):
+        from .sequences import Residual  # needs sb3-contrib, which this algorithm is of
+
+        return Residual
     if name not in algorithm.policy_aliases:
         raise ValueError(f"{algorithm.__name__} has no policy {name!r:.40}")
     return name
 
 
 def _alias(model: BaseAlgorithm) -> str:
+    own = getattr(model.policy_class, "ALIAS", None)
+    if own == _RESIDUAL:
+        return own
     for name, kind in type(model).policy_aliases.items():
         if kind is model.policy_class:
             return name

@@ -56,7 +56,7 @@ TINY = {
         "batch_size": 16,
         "epochs": 1,
         "units": 8,
-        "residual": False,
+        "residual": True,
     },
 }
 MODULES = {"ppo": ppo, "sac": sac, "mappo": mappo, "recurrent": recurrent}
@@ -124,7 +124,7 @@ def test_runs_come_back_as_they_were_saved_by_seed_and_the_newest_of_each(tmp_pa
     for run in (last, first, again, other):
         runs.save(run)
     assert runs.saved("sac") == [first, again]
-    assert runs.saved() == [other, first, again]
+    assert runs.saved() == [first, again, other]
 
 
 def test_a_curve_tells_of_the_episodes_that_ended_within_a_horizon():
@@ -208,7 +208,7 @@ def test_actors_of_mappo_act_by_their_mean_or_by_samples_keyed_by_episode():
 @pytest.mark.parametrize("name", search.SEARCHED)
 def test_trials_are_made_of_what_is_lacking_and_kept(name, tmp_path, monkeypatch):
     steps = {"BeamTransport": TINY[name].get("steps", 64)}
-    start = {key: value for key, value in TINY[name].items() if "steps" not in key}
+    start = {key: value for key, value in TINY[name].items() if key != OF[name].steps_name}
     space = replace(OF[name], steps=steps, start=start, changes=({}, {"learning_rate": 1e-4}))
     monkeypatch.setattr(search, "OF", {**OF, name: space})
     monkeypatch.setattr(search, "TRIALS", tmp_path)

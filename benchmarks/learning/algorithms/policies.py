@@ -37,7 +37,7 @@ def keep(policy: Policy, path: Path, config: TransportConfig, *, seed: int, step
         actor: Any = policy
         write_form(plain(actor._actor, config, record), path)
         return
-    if isinstance(policy.model.policy, WholeSequences):  # its parent has the same weights
+    if type(policy.model.policy) is WholeSequences:  # its parent has the same weights
         policy.model.policy_class = RecurrentActorCriticPolicy
     SB3Policy(policy.model, notes=record.to_notes()).save(path)
 

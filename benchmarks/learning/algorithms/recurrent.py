@@ -6,13 +6,10 @@ Its settings are the defaults of `coopenv train`, with a recurrent layer and few
 from collections.abc import Mapping
 from typing import Any
 
-import torch
 from sb3_contrib import RecurrentPPO
-from torch import nn
-from torch.nn.functional import pad
 
 from benchmarks.learning.algorithms.curve import Curve, Drawn
-from coopenv.agents.algorithms.sequences import States, WholeSequences
+from coopenv.agents.learned.sequences import Residual, WholeSequences
 from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale
 from coopenv.agents.seeds import training_seeds
 from coopenv.agents.settings import TrainConfig
@@ -36,18 +33,6 @@ START = {
     **{name: getattr(TrainConfig(), name) for name in TAKEN},
 }  # of the layer
 OWN = ("units", "residual")  # settings that are none of a `TrainConfig`
-
-
-class Residual(WholeSequences):
-    """Features are added to what the recurrent layer makes of them, as far as it has units."""
-
-    @staticmethod
-    def _process_sequence(
-        features: torch.Tensor, lstm_states: States, episode_starts: torch.Tensor, lstm: nn.LSTM
-    ) -> tuple[torch.Tensor, torch.Tensor]:  # as the parent says, though states are a pair
-        """See the parent."""
-        made = WholeSequences._process_sequence(features, lstm_states, episode_starts, lstm)
-        return made[0] + pad(features, (0, lstm.hidden_size - lstm.input_size)), made[1]
 
 
 def settings(env: str) -> dict[str, Any]:

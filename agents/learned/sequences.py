@@ -1,4 +1,4 @@
-"""A recurrent policy of sb3-contrib that goes over a whole sequence at once.
+"""Recurrent policies of sb3-contrib that go over a whole sequence at once.
 
 The parent steps through time in Python as soon as any episode begins in a batch, which costs most
 of the training. Its buffer cuts sequences where episodes begin, so that one begins at the first
@@ -10,6 +10,7 @@ from itertools import pairwise
 import torch
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from torch import nn
+from torch.nn.functional import pad
 
 States = tuple[torch.Tensor, torch.Tensor]  # hidden and cell, (layer, sequence, unit)
 
@@ -35,3 +36,17 @@ class WholeSequences(RecurrentActorCriticPolicy):
             outputs.append(output)
         flat = torch.cat(outputs).transpose(0, 1).flatten(end_dim=1)
         return flat, (hidden, cell)  # pyright: ignore[reportReturnType]
+
+
+class Residual(WholeSequences):
+    """Features are added to what the recurrent layer makes of them, as far as it has units."""
+
+    ALIAS = "ResidualLstmPolicy"  # what a blueprint calls it
+
+    @staticmethod
+    def _process_sequence(
+        features: torch.Tensor, lstm_states: States, episode_starts: torch.Tensor, lstm: nn.LSTM
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        """See the parent."""
+        made = WholeSequences._process_sequence(features, lstm_states, episode_starts, lstm)
+        return made[0] + pad(features, (0, lstm.hidden_size - lstm.input_size)), made[1]
