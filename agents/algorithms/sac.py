@@ -38,7 +38,7 @@ class SACConfig:
     """Control steps, counted over all worlds."""
     num_worlds: int = 64
     """Worlds stepped together."""
-    gradient_steps: int = 2
+    gradient_steps: int = 4
     """After each control step of all worlds."""
     batch_size: int = 256
     """Samples in a gradient step."""

@@ -60,7 +60,10 @@ OF: Mapping[Searched, Space] = {
             "WalkerAvoid": 200_000,
             "BeamLift": 200_000,
         },
-        start={name: value for name, value in asdict(Recipe()).items() if name != "steps"},
+        start={
+            **{name: value for name, value in asdict(Recipe()).items() if name != "steps"},
+            "gradient_steps": 2,
+        },
         changes=({}, {"discount": 0.99}, {"gradient_steps": 4}),
     ),
     "mappo": Space(
