@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -34,8 +33,8 @@ def keep(policy: Policy, path: Path, config: TransportConfig, *, seed: int, step
     record = replace(record, training={**record.training, "seed": seed, "steps": steps})
     path.parent.mkdir(parents=True, exist_ok=True)
     if not joint:
-        actor: Any = policy
-        write_form(plain(actor._actor, config, record), path)
+        (actor,) = (each for each in vars(policy).values() if isinstance(each, nn.Module))
+        write_form(plain(actor, config, record), path)
         return
     if type(policy.model.policy) is WholeSequences:  # its parent has the same weights
         policy.model.policy_class = RecurrentActorCriticPolicy
