@@ -30,13 +30,13 @@ OF: Mapping[str, Mapping[str, int]] = {
     "WalkerTurn": {"total_steps": 1_000_000},
     "BeamDoorway": {"total_steps": 1_800_000},
     "WalkerAvoid": {"total_steps": 1_200_000},
-    "BeamLift": {"total_steps": 600_000},
+    "BeamLift": {"total_steps": 600_000, "minibatch": 2048},
 }
 
 
 def settings(env: str) -> dict[str, Any]:
     """Those with which it is trained: of the example's `Config`."""
-    config = Config(env=f"{PREFIX}{env}-v0", **SETTINGS, **OF[env])
+    config = Config(env=f"{PREFIX}{env}-v0", **{**SETTINGS, **OF[env]})
     apart = ("seed", "episodes")
     return {name: value for name, value in asdict(config).items() if name not in apart}
 

@@ -15,9 +15,9 @@ from coopenv.agents.training.presets import train_config
 from coopenv.envs.registry import PREFIX
 
 OF: Mapping[str, Mapping[str, Any]] = {  # what differs from the `Recipe`, which the search chose
-    "BeamTransport": {"steps": 100_000},
+    "BeamTransport": {"steps": 150_000},
     "BeamTracking": {"steps": 100_000},
-    "WalkerTurn": {"steps": 300_000},
+    "WalkerTurn": {"steps": 400_000},
     "BeamDoorway": {"steps": 600_000},
     "WalkerAvoid": {"steps": 400_000},
     "BeamLift": {"steps": 400_000},
