@@ -173,7 +173,7 @@ def table(trials: Sequence[Trial]) -> str:
 def _row(trial: Trial, *, is_taken: bool) -> tuple[str, ...]:
     return (
         trial.env,
-        {"ppo": "PPO", **TITLES}[trial.algorithm],
+        TITLES[trial.algorithm],
         _told(trial.changed),
         f"{trial.steps:,}",
         f"{trial.seconds:.0f}",

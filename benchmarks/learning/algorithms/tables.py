@@ -10,7 +10,7 @@ from benchmarks.learning.tables import FIGURES, NONE, REACHED, figures
 from benchmarks.pages import DOCS, markdown
 
 PAGE = DOCS / "training" / "algorithms.md"
-TITLES: dict[Name, str] = {"sac": "SAC", "mappo": "MAPPO", "recurrent": "recurrent PPO"}
+TITLES = {"ppo": "PPO", "sac": "SAC", "mappo": "MAPPO", "recurrent": "recurrent PPO"}
 COLUMNS = ("environment", "algorithm", *FIGURES, *REACHED)
 
 
