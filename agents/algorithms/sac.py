@@ -34,7 +34,7 @@ class SACConfig:
     SHARED: ClassVar[tuple[str, ...]] = ("steps",)  # with PPO: they mean the same there
     LOG_INTERVAL: ClassVar[int] = 100  # episodes between two entries of TensorBoard's log
 
-    steps: int = 100_000
+    steps: int = 150_000
     """Control steps, counted over all worlds."""
     num_worlds: int = 64
     """Worlds stepped together."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from statistics import median
 
 from benchmarks.learning import baselines
-from benchmarks.learning.algorithms.runs import NAMES, Name, Run
+from benchmarks.learning.algorithms.runs import NAMES, Run
 from benchmarks.learning.run import Outcome
 from benchmarks.learning.tables import FIGURES, NONE, REACHED, figures
 from benchmarks.pages import DOCS, markdown
