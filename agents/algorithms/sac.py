@@ -78,6 +78,11 @@ class SACConfig:
                 raise InvalidInput(
                     f"{name} must be True or False, got {getattr(self, name)!r}; give one of them"
                 )
+        if self.buffer < self.batch_size:
+            raise InvalidInput(
+                f"buffer must hold the {self.batch_size:,} samples of a gradient step, got "
+                f"{self.buffer:,}; give more, or lower batch_size"
+            )
         _check_entropy(self)
         _set(self, "hidden", layers(self.hidden))
         if self.steps <= self.random_steps:

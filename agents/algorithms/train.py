@@ -85,11 +85,12 @@ def train_by(
         config = environment or training.environment.config()
         venv = TransportVecEnv(config, recipe.num_worlds, control=training.control)
         said = {"algorithm": name_of(recipe), **plain(recipe)}
-        provenance = Provenance.of_recipe(training, venv.transport.config, said)
-        found = _finished(out / POLICY, provenance)
-        policy = found or _train(recipe, training, venv, provenance, report)
-        venv.close()
-        return policy
+        try:
+            provenance = Provenance.of_recipe(training, venv.transport.config, said)
+            found = _finished(out / POLICY, provenance)
+            return found or _train(recipe, training, venv, provenance, report)
+        finally:
+            venv.close()
 
 
 def _train(

@@ -42,7 +42,9 @@ def built(options: Options, *, complete: bool = True) -> Built:
             f"env must be an id without a module in an experiment, got {env!r}; a file "
             "imports nothing: train it with coopenv train --env"
         )
-    training = TrainConfig(environment=options.choice(), threads=1, **options.training)
+    shared = RECIPES[options.algorithm].SHARED if options.algorithm in RECIPES else ()
+    of_ppo = {name: value for name, value in options.training.items() if name not in shared}
+    training = TrainConfig(environment=options.choice(), threads=1, **of_ppo)
     environment = training.environment.config()
     if options.terms:
         reward = with_terms(environment.terms, options.terms)

@@ -17,12 +17,13 @@ from .cell import Cell, setting_name
 from .culprit import culprit
 from .levels import (
     AXES,
-    LEARNER,
     Options,
     named_levels,
     read_environment,
     read_level,
     read_training,
+    taker,
+    untaken,
 )
 from .lines import Place, Source
 
@@ -126,7 +127,6 @@ class Experiment:
             If a level, or levels together, do not make a run; with the line, if from a file.
         """
         axes = self.levels()
-        common = self._common()
         options = {
             (level.axis, level.label): self._checked(
                 partial(read_level, level.axis), level.value, level.place
@@ -134,6 +134,8 @@ class Experiment:
             for levels in axes.values()
             for level in levels
         }
+        named = [options["algorithm", each.label].algorithm for each in axes.get("algorithm", ())]
+        common = self._common(named)
         self._check_excluded(axes)
         settings = [each for each in product(*axes.values()) if not self._is_excluded(each)]
         self._require_some(len(settings))
@@ -149,9 +151,16 @@ class Experiment:
         levels[algorithm] = {**own, **settings}
         return replace(self, grid={**self.grid, "algorithm": levels})
 
-    def _common(self) -> Options:
-        """What all cells have, checked by itself."""
-        found = Options(algorithm=LEARNER)
+    def _common(self, algorithms: Sequence[str]) -> Options:
+        """What all cells have, checked by itself, for one of the algorithms that take it."""
+        for name in untaken(self.training, algorithms):
+            with self.source.at(("training", name)):
+                raise InvalidInput(
+                    f"training must be of an algorithm of the grid, got {name}, which "
+                    f"{' and '.join(algorithms)} do not take from there; say it of the level that "
+                    "it is for, or drop it"
+                )
+        found = Options(algorithm=taker(algorithms))
         for name, read in (("training", read_training), ("environment", read_environment)):
             given, rest = getattr(self, name), found
 

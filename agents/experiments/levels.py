@@ -94,6 +94,21 @@ class Options:
         return EnvironmentChoice(**values)
 
 
+def taker(algorithms: Sequence[str]) -> str:
+    """Of the algorithms of a grid, the one that takes most of ``[training]``; PPO without any."""
+    if LEARNER in algorithms:
+        return LEARNER
+    return next((name for name in algorithms if name in RECIPES), LEARNER)
+
+
+def untaken(training: Mapping[str, Any], algorithms: Sequence[str]) -> list[str]:
+    """Names of ``[training]`` that no algorithm takes, if there is one that learns."""
+    if taker(algorithms) == LEARNER:
+        return []
+    shared = {name for each in algorithms if each in RECIPES for name in RECIPES[each].SHARED}
+    return [name for name in training if name in TRAINING and name not in shared]
+
+
 def named_levels(axis: str, given: Any, source: Source) -> Iterator[tuple[str, Any, Place]]:
     """Label, value and place of each level of an axis.
 

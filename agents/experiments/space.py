@@ -9,7 +9,7 @@ from coopenv.errors import InvalidInput, UnknownName
 
 from ..algorithms import RECIPES, recipe_of
 from ..settings import TrainConfig
-from .levels import ALGORITHMS, LEARNER, SETTINGS
+from .levels import ALGORITHMS, LEARNER, SETTINGS, taker
 from .lines import Place, Source
 
 RANGE = ("low", "high", "log")
@@ -75,6 +75,11 @@ def check_space(space: Any, algorithms: Collection[str], source: Source) -> None
         with source.at((*place, name)):
             if name not in RECIPES:
                 check_entry(name, entry)
+                if taker([*algorithms]) != LEARNER and known.issuperset(algorithms):
+                    raise InvalidInput(
+                        f"{name} must be searched for ppo or below the name of its algorithm, got "
+                        "a grid without ppo; write [search.space.sac] or the like"
+                    )
                 continue
             if not isinstance(entry, Mapping) or not entry:
                 raise InvalidInput(

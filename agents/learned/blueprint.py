@@ -127,7 +127,7 @@ def build(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm], count: i
 
 def _policy(blueprint: Mapping[str, Any], algorithm: type[BaseAlgorithm]) -> str | type:
     name = blueprint["policy"]
-    if (algorithm.__module__.partition(".")[0], name) == ("sb3_contrib", _RESIDUAL):
+    if (algorithm.__name__, name) == ("RecurrentPPO", _RESIDUAL):
         from .sequences import Residual  # needs sb3-contrib, which this algorithm is of
 
         return Residual

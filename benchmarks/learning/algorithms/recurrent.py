@@ -31,7 +31,7 @@ START = {
     "units": 64,
     "residual": False,
     **{name: getattr(TrainConfig(), name) for name in TAKEN},
-}  # of the layer
+}
 OWN = ("units", "residual")  # settings that are none of a `TrainConfig`
 
 

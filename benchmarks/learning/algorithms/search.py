@@ -17,7 +17,7 @@ import tyro
 from rich.console import Console
 
 from benchmarks.learning.algorithms.runs import FOLDER, NAMES
-from benchmarks.learning.algorithms.space import OF, SEED, Changed, Searched
+from benchmarks.learning.algorithms.space import KEPT, OF, SEED, Changed, Searched
 from benchmarks.learning.algorithms.tables import NONE, PAGE, TITLES
 from benchmarks.learning.baselines import LEVELS, names, reached
 from benchmarks.learning.budget import lacking
@@ -164,13 +164,14 @@ def table(trials: Sequence[Trial]) -> str:
     for env in names():
         for name in SEARCHED:
             mine = [one for one in trials if (one.env, one.algorithm) == (env, name)]
-            best = taken(mine) if mine else None
             order = [one for change in OF[name].changes for one in mine if one.changed == change]
-            rows += [_row(one, is_taken=one is best) for one in order]
+            best = taken(order) if order else None
+            mark = "kept others" if (name, env) in KEPT else "×"
+            rows += [_row(one, mark if one is best else "") for one in order]
     return markdown(COLUMNS, rows) if rows else NONE
 
 
-def _row(trial: Trial, *, is_taken: bool) -> tuple[str, ...]:
+def _row(trial: Trial, mark: str) -> tuple[str, ...]:
     return (
         trial.env,
         TITLES[trial.algorithm],
@@ -181,7 +182,7 @@ def _row(trial: Trial, *, is_taken: bool) -> tuple[str, ...]:
         f"{trial.success:.1%}",
         f"{trial.sampled:.1%}",
         f"{trial.relative_cost:.3f}",
-        "×" if is_taken else "",
+        mark,
     )
 
 

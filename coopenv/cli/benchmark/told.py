@@ -73,6 +73,7 @@ def _print_training(
     from coopenv.agents.benchmark.trained import UNTOLD, exceeds, said
 
     if exceeds(told, suite.budget):
+        told = [one for one in told if one is not None]
         remedy = "is marked as over it"
     elif said(told) == UNTOLD:
         remedy = "is marked so; --trained STEPS says it"

@@ -23,6 +23,7 @@ WRONG = [
     ("sac", {"steps": 5_000}, "random_steps must be fewer than the 5,000 steps"),
     ("sac", {"num_worlds": 10**7}, "num_worlds must be at most"),
     ("sac", {"gradient_steps": 0}, "at least 1"),
+    ("sac", {"buffer": 10}, "buffer must hold the 256 samples"),
     ("sac", {"batch_size": 1.5}, "whole"),
     ("sac", {"learning_rate": 0}, "learning_rate must be positive"),
     ("sac", {"learning_rate": 2}, "learning_rate must be at most 1"),

@@ -105,6 +105,11 @@ def test_the_progress_of_a_grid_counts_the_steps_of_each_algorithm(tmp_path):
     assert told[-1]["done"] == told[-1]["total"] == 512 + 3 * 50
 
 
+def test_steps_of_sac_know_no_rollout(tmp_path):
+    (cell,) = small(tmp_path, grid={"algorithm": "sac"}, seeds=1, training={"steps": 6_000}).cells()
+    assert cell.steps == 6_000
+
+
 def test_an_algorithm_has_steps_of_the_training_and_recurrent_ppo_all_of_it(tmp_path):
     whole: Any = {"steps": 20_000, "num_worlds": 8, "learning_rate": 3e-4, "hidden": (4,)}
     training = {**whole, "hidden": [4]}
@@ -148,8 +153,15 @@ MISTAKES = [  # what stands there -> what is written instead, and what is said
     ("gradient_steps = { low = 1", "gradient_steps = { low = 0", "at least 1"),
     ('choices = [0.02, "auto"]', 'choices = ["much"]', "entropy must be a weight or auto"),
     ('entropy = { choices = [0.02, "auto"] }', "hidden = { low = 1, high = 2 }", "choices"),
+    ("steps = 30_000", "learning_rate = 1e-5", "got learning_rate, which sac do not take"),
+    ("steps = 30_000", "steps = 4_000", "random_steps must be fewer"),
     ("[search.space.sac]", "[search.space.recurrent]", "must be of an algorithm of the grid"),
     ("[search.space.sac]", "[search.space.scripted]", "known"),
+    (
+        "seeds = 1\n\n[search.space",
+        "space.epochs = { low = 1, high = 2 }\nseeds = 1\n\n[search.space",
+        "epochs must be searched for ppo",
+    ),
 ]
 
 
@@ -195,12 +207,13 @@ def test_a_search_has_the_space_of_each_algorithm_and_leaves_the_others(tmp_path
 
 def test_a_search_in_which_no_algorithm_of_the_grid_has_a_space_is_refused(tmp_path):
     search = Search(space={"epochs": {"low": 1, "high": 2}})
-    experiment = small(tmp_path, grid={"algorithm": {"sac": SAC}})
+    experiment = small(tmp_path, grid={"algorithm": {"sac": SAC}}, training={})
     with pytest.raises(InvalidInput, match=r"\[search\.space\.sac\]"):
         check(experiment, search=search, tune=3)
 
 
 def test_the_best_of_a_search_goes_over_the_level_of_its_algorithm(tmp_path):
-    experiment = small(tmp_path, grid={"algorithm": {"one": SAC}}).over("one", {"hidden": [4, 4]})
+    experiment = small(tmp_path, grid={"algorithm": {"one": SAC}}, training={})
+    experiment = experiment.over("one", {"hidden": [4, 4]})
     settings = {name: value for name, value in SAC.items() if name != "name"}
     assert {cell.recipe for cell in experiment.cells()} == {SACConfig(**settings, hidden=(4, 4))}
