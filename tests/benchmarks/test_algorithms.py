@@ -83,6 +83,8 @@ def test_every_run_has_the_settings_that_the_command_has_today():
 def test_every_trial_is_of_the_space_that_is_searched_on_seeds_of_no_table():
     for trial in search.saved():
         assert trial.changed in OF[trial.algorithm].changes, trial
+        today = search.settings_of(trial.algorithm, trial.env, trial.changed)
+        assert trial.settings == today, trial
     seeds = {run.seed for run in runs.saved()} | {run.seed for run in baselines.saved()}
     assert SEED not in seeds
     assert search.EVALUATION not in (0, STOPPING)
@@ -232,6 +234,7 @@ def trial(success: float, at: float | None, sampled: float = 0.5) -> search.Tria
         algorithm="sac",
         env="BeamLift",
         changed={},
+        settings={},
         steps=64,
         seconds=1.0,
         reached=(None, at),

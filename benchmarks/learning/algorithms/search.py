@@ -9,9 +9,10 @@ docs/training/algorithms.md.
 
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from typing import Any
 
 import tyro
 from rich.console import Console
@@ -54,6 +55,7 @@ class Trial:
     algorithm: Searched
     env: str
     changed: Changed  # of the start of the `Space`
+    settings: Mapping[str, Any]  # all that the space says, as JSON has them
     steps: int  # control steps that were done
     seconds: float  # of the processor
     reached: tuple[float | None, ...]  # [s] until each of `LEVELS`; None where it never was
@@ -76,6 +78,11 @@ class Search:
     """Put the tables into docs/training/algorithms.md."""
 
 
+def settings_of(name: Searched, env: str, changed: Changed) -> dict[str, Any]:
+    """What the space says of a trial today, as JSON brings it back."""
+    return json.loads(json.dumps(OF[name].settings(env, changed)))
+
+
 def run(name: Searched, env: str, changed: Changed) -> Trial:
     """Train once and test."""
     module = import_module(f"{__package__}.{name}")
@@ -92,6 +99,7 @@ def run(name: Searched, env: str, changed: Changed) -> Trial:
         algorithm=name,
         env=env,
         changed=dict(changed),
+        settings=settings_of(name, env, changed),
         steps=curve.steps,
         seconds=round(seconds, 1),
         reached=tuple(reached(curve.points, level, whole) for level in LEVELS),
@@ -112,8 +120,9 @@ def saved(name: str = "*", env: str = "*") -> list[Trial]:
 
 
 def save(trial: Trial) -> None:
-    """Write a trial behind the others of its algorithm and environment, one a line."""
-    every = [*saved(trial.algorithm, trial.env), trial]
+    """Write a trial behind the others of its algorithm and environment, over one of before."""
+    others = saved(trial.algorithm, trial.env)
+    every = [*(one for one in others if one.changed != trial.changed), trial]
     lines = ",\n".join(json.dumps(asdict(one)) for one in every)
     TRIALS.mkdir(parents=True, exist_ok=True)
     with written(TRIALS / f"{trial.algorithm}_{trial.env}.json") as part:
@@ -133,8 +142,7 @@ def search(asked: Search, tell: Callable[[str], None] = print) -> list[Trial]:
     """Run the trials that are lacking, until so many minutes of the processor are spent."""
 
     def is_done(piece: tuple[Searched, str, Changed]) -> bool:
-        name, env, changed = piece
-        return any(trial.changed == changed for trial in saved(name, env))
+        return any(trial.settings == settings_of(*piece) for trial in saved(*piece[:2]))
 
     for name, env, changed in lacking(planned(asked), is_done, asked.minutes, tell):
         made = run(name, env, changed)
