@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import tyro
 from rich.console import Console
@@ -30,7 +30,7 @@ SHORT_STEPS = 400_000  # as many as the shared policy of the package has, for co
 Run = tuple[TrainConfig, TransportConfig | None]  # None: the environment that the settings name
 
 
-def of_bodies(control: Any, seed: int, out: Path, **changes: Any) -> Run:
+def of_bodies(control: Literal["joint", "shared"], seed: int, out: Path, **changes: Any) -> Run:
     """In the range of bodies that the suite allows."""
     (within,) = (one for one in SUITES["bodies"].scenarios if one.name == WITHIN)
     return TrainConfig(control=control, seed=seed, **changes), within.config

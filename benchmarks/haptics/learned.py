@@ -20,9 +20,9 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
 
 from benchmarks.haptics.cells import Cell, Found, environment, measured
-from benchmarks.haptics.recurrent import WholeSequences
 from benchmarks.learning.settings import of_tables
 from coopenv import TransportConfig, rewards
+from coopenv.agents.learned.sequences import WholeSequences
 from coopenv.agents.partners import PARTNERS
 from coopenv.agents.policy import Policy
 from coopenv.agents.sb3 import SB3Policy, TransportVecEnv, feature_scale

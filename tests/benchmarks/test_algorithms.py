@@ -11,6 +11,8 @@ pytest.importorskip("sb3_contrib")
 pytest.importorskip("torchrl")
 pytest.importorskip("tyro")
 
+from stable_baselines3 import SAC
+
 from benchmarks.learning import baselines
 from benchmarks.learning.algorithms import __main__ as command
 from benchmarks.learning.algorithms import (
@@ -26,6 +28,8 @@ from benchmarks.learning.algorithms import (
 from benchmarks.learning.algorithms.curve import EVERY, Curve
 from benchmarks.learning.algorithms.space import KEPT, OF, SEED
 from benchmarks.pages import filled
+from coopenv.agents.algorithms import SACConfig
+from coopenv.agents.algorithms.models import sac_settings
 from coopenv.agents.benchmark import Scenario, read_entry
 from coopenv.agents.benchmark.trained import Trained
 from coopenv.agents.evaluate import run_episodes
@@ -80,11 +84,13 @@ def test_every_run_has_the_settings_that_the_command_has_today():
         assert command.is_of(run, run.algorithm, run.env, run.seed), run
 
 
-def test_every_trial_is_of_the_space_that_is_searched_on_seeds_of_no_table():
-    for trial in search.saved():
-        assert trial.changed in OF[trial.algorithm].changes, trial
-        today = search.settings_of(trial.algorithm, trial.env, trial.changed)
-        assert trial.settings == today, trial
+def test_the_trials_are_those_of_the_space_on_seeds_of_no_table():
+    tried = [(one.algorithm, one.env, json.dumps(one.settings)) for one in search.saved()]
+    wanted = [
+        (name, env, json.dumps(search.settings_of(name, env, changed)))
+        for name, env, changed in search.planned(search.Search())
+    ]
+    assert sorted(tried) == sorted(wanted)
     seeds = {run.seed for run in runs.saved()} | {run.seed for run in baselines.saved()}
     assert SEED not in seeds
     assert search.EVALUATION not in (0, STOPPING)
@@ -94,7 +100,11 @@ def test_every_algorithm_is_searched_in_every_environment_with_settings_that_it_
     for name, space in OF.items():
         assert set(space.steps) == set(baselines.names())
         known = {*MODULES[name].settings("BeamLift"), space.steps_name}
-        assert all({*space.start, *change} <= known for change in space.changes)
+        assert all(
+            {*space.start, *change} <= known
+            for env in space.steps
+            for change in space.changes_in(env)
+        )
 
 
 def test_settings_of_an_environment_are_those_that_the_search_takes():
@@ -144,8 +154,8 @@ def test_a_curve_tells_of_the_episodes_that_ended_within_a_horizon():
 
 def test_truncated_episodes_are_no_ends_to_sac():
     venv = make_vec_env(num_worlds=2, horizon=3, seed=0)
-    settings = sac.sac_settings(sac.Recipe(steps=200, random_steps=100, hidden=(8,)), [1.0] * 44)
-    model = sac.SAC("MlpPolicy", venv, **settings)
+    settings = sac_settings(SACConfig(steps=200, random_steps=100, hidden=(8,)), [1.0] * 44)
+    model = SAC("MlpPolicy", venv, **settings)
     model.learn(12)
     buffer = model.replay_buffer
     assert buffer is not None
@@ -213,7 +223,9 @@ def test_actors_of_mappo_act_by_their_mean_or_by_samples_keyed_by_episode():
 def test_trials_are_made_of_what_is_lacking_and_kept(name, tmp_path, monkeypatch):
     steps = {"BeamTransport": TINY[name].get("steps", 64)}
     start = {key: value for key, value in TINY[name].items() if key != OF[name].steps_name}
-    space = replace(OF[name], steps=steps, start=start, changes=({}, {"learning_rate": 1e-4}))
+    space = replace(
+        OF[name], steps=steps, start=start, changes=({}, {"learning_rate": 1e-4}), more={}
+    )
     monkeypatch.setattr(search, "OF", {**OF, name: space})
     monkeypatch.setattr(search, "TRIALS", tmp_path)
     monkeypatch.setattr(search, "EPISODES", 2)
@@ -259,13 +271,13 @@ def example() -> Snippet:
 
 
 def test_the_example_has_the_settings_of_the_table_and_runs(tmp_path):
-    code, recipe = example().code, sac.Recipe(**sac.settings("BeamTransport"))
+    code, recipe = example().code, SACConfig(**sac.settings("BeamTransport"))
     assert f"learn({recipe.steps:_})" in code
     assert f"learning_starts={recipe.random_steps:_}," in code
     quick = code.replace(f"{recipe.steps:_}", "640").replace(f"{recipe.random_steps:_}", "320")
     with running([replace(example(), code=quick)], tmp_path) as names:
         shown = names["model"]
-    mine = sac.sac_settings(recipe, feature_scale(shown.env))
+    mine = sac_settings(recipe, feature_scale(shown.env))
     assert shown.policy_kwargs == {**shown.policy_kwargs, **mine["policy_kwargs"]}
     for name in ("gradient_steps", "batch_size", "learning_rate", "gamma", "tau", "ent_coef"):
         assert getattr(shown, name) == mine[name], name

@@ -18,9 +18,9 @@ from benchmarks.haptics import elsewhere, learned, page, scripted
 from benchmarks.haptics.__main__ import FOLLOWERS, Haptics, run
 from benchmarks.haptics.cells import BEAMS, EVALUATION, Cell, Found, environment, kept, read_found
 from benchmarks.haptics.learned import FRAMES, LEARNERS, Stacked
-from benchmarks.haptics.recurrent import WholeSequences
 from coopenv.agents.benchmark import SUITES, read_entry
 from coopenv.agents.evaluate import run_episodes
+from coopenv.agents.learned.sequences import WholeSequences
 from coopenv.agents.sb3 import SB3Policy, TransportVecEnv
 from coopenv.errors import InvalidInput, UnknownName
 

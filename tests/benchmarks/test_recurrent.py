@@ -11,7 +11,7 @@ from sb3_contrib.common.recurrent.buffers import RecurrentRolloutBuffer
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from sb3_contrib.common.recurrent.type_aliases import RNNStates
 
-from benchmarks.haptics.recurrent import WholeSequences
+from coopenv.agents.learned.sequences import WholeSequences
 
 SEQUENCES, STEPS, INPUTS, UNITS = 5, 12, 7, 16
 BEGINNINGS = {

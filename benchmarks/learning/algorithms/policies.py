@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 from gymnasium.spaces import Box
-from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from torch import nn
 
-from benchmarks.haptics.recurrent import WholeSequences
 from coopenv import TransportConfig
+from coopenv.agents.algorithms.models import writable
 from coopenv.agents.policy import Policy
 from coopenv.agents.provenance import Provenance
 from coopenv.agents.sb3 import SB3Policy
@@ -36,9 +35,7 @@ def keep(policy: Policy, path: Path, config: TransportConfig, *, seed: int, step
         (actor,) = (each for each in vars(policy).values() if isinstance(each, nn.Module))
         write_form(plain(actor, config, record), path)
         return
-    if type(policy.model.policy) is WholeSequences:  # its parent has the same weights
-        policy.model.policy_class = RecurrentActorCriticPolicy
-    SB3Policy(policy.model, notes=record.to_notes()).save(path)
+    SB3Policy(writable(policy.model), notes=record.to_notes()).save(path)
 
 
 def plain(actor: nn.Module, config: TransportConfig, record: Provenance) -> Form:

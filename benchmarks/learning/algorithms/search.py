@@ -130,12 +130,11 @@ def save(trial: Trial) -> None:
 
 
 def planned(asked: Search) -> Iterator[tuple[Searched, str, Changed]]:
-    """Algorithm, environment and changes of every trial, the first change of all at first."""
-    for number in range(max(len(OF[name].changes) for name in asked.only)):
-        for env in asked.envs or names():
-            for name in asked.only:
-                for changed in OF[name].changes[number : number + 1]:
-                    yield name, env, changed
+    """Algorithm, environment and changes of every trial."""
+    for env in asked.envs or names():
+        for name in asked.only:
+            for changed in OF[name].changes_in(env):
+                yield name, env, changed
 
 
 def search(asked: Search, tell: Callable[[str], None] = print) -> list[Trial]:
@@ -172,7 +171,9 @@ def table(trials: Sequence[Trial]) -> str:
     for env in names():
         for name in SEARCHED:
             mine = [one for one in trials if (one.env, one.algorithm) == (env, name)]
-            order = [one for change in OF[name].changes for one in mine if one.changed == change]
+            order = [
+                one for change in OF[name].changes_in(env) for one in mine if one.changed == change
+            ]
             best = taken(order) if order else None
             mark = "kept others" if (name, env) in KEPT else "×"
             rows += [_row(one, mark if one is best else "") for one in order]

@@ -1,10 +1,10 @@
-"""What is tried in the search of each algorithm's settings: one factor at a time, in every task."""
+"""What is tried in the search of each algorithm's settings, mostly one factor at a time."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from benchmarks.learning.algorithms.sac import Recipe
+from coopenv.agents.algorithms import SACConfig
 
 SEED = 100  # of trainings that no table has
 
@@ -15,12 +15,17 @@ Changed = Mapping[str, Any]  # settings of a trial that are not those of the sta
 
 @dataclass(frozen=True, kw_only=True)
 class Space:
-    """Trials of an algorithm, the same in every environment but for their length."""
+    """Trials of an algorithm; their length is of the environment, and some are of one alone."""
 
     steps_name: str  # of the setting that says how long a training is
     steps: Mapping[str, int]  # control steps of a trial, by environment
     start: Mapping[str, Any]
-    changes: tuple[Changed, ...]
+    changes: tuple[Changed, ...]  # in every environment
+    more: Mapping[str, tuple[Changed, ...]] = field(default_factory=dict)  # in some, by name
+
+    def changes_in(self, env: str) -> tuple[Changed, ...]:
+        """All that is tried in an environment."""
+        return (*self.changes, *self.more.get(env, ()))
 
     def settings(self, env: str, changed: Changed) -> dict[str, Any]:
         """Those of a trial."""
@@ -48,8 +53,8 @@ OF: Mapping[Searched, Space] = {
         changes=(
             {},
             {"num_worlds": 256, "rollout": 32, "epochs": 5},
-            {"batch_size": 512},
         ),
+        more={"BeamTransport": ({"batch_size": 512},)},
     ),
     "sac": Space(
         steps_name="steps",
@@ -62,7 +67,7 @@ OF: Mapping[Searched, Space] = {
             "BeamLift": 200_000,
         },
         start={
-            **{name: value for name, value in asdict(Recipe()).items() if name != "steps"},
+            **{name: value for name, value in asdict(SACConfig()).items() if name != "steps"},
             "gradient_steps": 2,
         },
         changes=({}, {"discount": 0.99}, {"gradient_steps": 4}),
@@ -84,7 +89,10 @@ OF: Mapping[Searched, Space] = {
             "minibatch": 512,
             "learning_rate": 1e-3,
         },
-        changes=({}, {"minibatch": 2048}, {"learning_rate": 5e-4}),
+        changes=({}, {"minibatch": 2048}),
+        more=dict.fromkeys(
+            ("BeamTransport", "BeamTracking", "BeamDoorway"), ({"learning_rate": 5e-4},)
+        ),
     ),
     "recurrent": Space(
         steps_name="steps",
@@ -109,9 +117,10 @@ OF: Mapping[Searched, Space] = {
             {},
             {"num_worlds": 64, "rollout": 128, "epochs": 10},
             {"residual": True},
-            {"residual": True, "num_worlds": 64, "rollout": 128},
-            {"batch_size": 512},
-            {"epochs": 10},
         ),
+        more={
+            "BeamTransport": ({"batch_size": 512}, {"epochs": 10}),
+            "BeamLift": ({"residual": True, "num_worlds": 64, "rollout": 128},),
+        },
     ),
 }
