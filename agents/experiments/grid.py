@@ -156,9 +156,9 @@ class Experiment:
         for name in untaken(self.training, algorithms):
             with self.source.at(("training", name)):
                 raise InvalidInput(
-                    f"training must be of an algorithm of the grid, got {name}, which "
-                    f"{' and '.join(algorithms)} do not take from there; say it of the level that "
-                    "it is for, or drop it"
+                    f"training must be of an algorithm of the grid, got {name}, which none of "
+                    f"{', '.join(algorithms)} takes from there; say it of the level that it is "
+                    "for, or drop it"
                 )
         found = Options(algorithm=taker(algorithms))
         for name, read in (("training", read_training), ("environment", read_environment)):

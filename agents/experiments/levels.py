@@ -95,7 +95,7 @@ class Options:
 
 
 def taker(algorithms: Sequence[str]) -> str:
-    """Of the algorithms of a grid, the one that takes most of ``[training]``; PPO without any."""
+    """PPO if it is among the algorithms of a grid or none learns, else the first that does."""
     if LEARNER in algorithms:
         return LEARNER
     return next((name for name in algorithms if name in RECIPES), LEARNER)

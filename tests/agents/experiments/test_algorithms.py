@@ -153,7 +153,7 @@ MISTAKES = [  # what stands there -> what is written instead, and what is said
     ("gradient_steps = { low = 1", "gradient_steps = { low = 0", "at least 1"),
     ('choices = [0.02, "auto"]', 'choices = ["much"]', "entropy must be a weight or auto"),
     ('entropy = { choices = [0.02, "auto"] }', "hidden = { low = 1, high = 2 }", "choices"),
-    ("steps = 30_000", "learning_rate = 1e-5", "got learning_rate, which sac do not take"),
+    ("steps = 30_000", "learning_rate = 1e-5", "got learning_rate, which none of sac takes"),
     ("steps = 30_000", "steps = 4_000", "random_steps must be fewer"),
     ("[search.space.sac]", "[search.space.recurrent]", "must be of an algorithm of the grid"),
     ("[search.space.sac]", "[search.space.scripted]", "known"),
