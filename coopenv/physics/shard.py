@@ -5,6 +5,8 @@ behind it, without which each substep would ask for the interpreter's lock six t
 pymunk's library, by their addresses, and the two structures that they take.
 """
 
+import atexit
+import ctypes
 import weakref
 from collections.abc import Sequence
 from math import isfinite
@@ -83,6 +85,7 @@ class Shard:
         self._memory, self._table = memory, memory.table
         self._table[:] = _table(bodies, scenes, substep)
         self.space = pymunk.Space()
+        _spaces.add(self.space)
         self.space.iterations = SOLVER_ITERATIONS
         self.space.collision_slop = COLLISION_SLOP
         self.space.collision_persistence = COLLISION_PERSISTENCE
@@ -267,6 +270,19 @@ def _table(bodies: Sequence[Body], scenes: Sequence[Scene], substep: float) -> F
         np.array([scene.gravity for scene in scenes]),
         np.array([held(body, scene) for body, scene in zip(bodies, scenes, strict=True)]),
     )
+
+
+_spaces: weakref.WeakSet[pymunk.Space] = weakref.WeakSet()
+
+
+@atexit.register
+def _keep_spaces() -> None:
+    """Never free those that are left, since what pymunk calls to free one may be gone by then.
+
+    It would crash a process that ends where another library still holds its environment.
+    """
+    for space in list(_spaces):
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(space))
 
 
 _spare: list[batch.Buffer] = []  # of owners that are gone; pymunk never frees the memory of one
