@@ -11,10 +11,11 @@ from numba import types
 from numba.core import ir
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NopythonRewrites
-from numba.core.untyped_passes import InlineClosureLikes
+from numba.core.typed_passes import NativeLowering, NopythonRewrites
+from numba.core.untyped_passes import InlineClosureLikes, IRProcessing
 
-from coopenv.compiled.operators import remembering
+from coopenv.compiled.borrowing import Lowering
+from coopenv.compiled.extremes import Extremes
 
 _OF_ARRAYS = ("binop", "inplace_binop", "unary", "call")  # what array expressions are made of
 
@@ -44,19 +45,25 @@ def _made(state: Any) -> Any:
     return makes_array
 
 
+_OURS: dict[Any, Any] = {NopythonRewrites: _ArrayRewrites, NativeLowering: Lowering}
+
+
 class Lean(Compiler):
     """Numba's compiler with what is said above."""
 
     def define_pipelines(self) -> Any:
         """As numba does it."""
-        self.state.typingctx = remembering(self.state.typingctx)
         pipelines = super().define_pipelines()
         for one in pipelines:
-            one.passes = [
-                (_ArrayRewrites if kind is NopythonRewrites else kind, name)
+            passes = [
+                (_OURS.get(kind, kind), name)
                 for kind, name in one.passes
                 if kind is not InlineClosureLikes or _has_functions(self.state.func_id.code)
             ]
+            places = [at for at, (kind, _) in enumerate(passes) if kind is IRProcessing]
+            for at in places:
+                passes.insert(at + 1, (Extremes, "extremes of two numbers"))
+            one.passes = passes
             one.finalize()
         return pipelines
 
