@@ -29,9 +29,11 @@ from numba.core.caching import (
     IndexDataCacheFile,
     NullCache,
 )
+from numba.core.compiler_lock import global_compiler_lock
 from numba.np.ufunc import ufuncbuilder, wrappers
 
 from coopenv.compiled.dependencies import KERNELS, stamp
+from coopenv.compiled.lighter import lighter
 
 DIGEST = 32  # bytes
 
@@ -213,7 +215,10 @@ def _cache_of(ours: Any, others: Any) -> Callable[[Any], Any]:
             return self._found.cache_path
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
-            return self._found.load_overload(sig, target_context) if self._enabled else None
+            if not self._enabled:
+                return None
+            with global_compiler_lock, lighter():
+                return self._found.load_overload(sig, target_context)
 
         def save_overload(self, sig: Any, data: Any) -> None:
             if self._enabled:

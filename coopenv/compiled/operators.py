@@ -1,37 +1,36 @@
 """Typing of operators, remembered: what the product of two floats is, numba asks anew each time.
 
 It asks all that know the operator in turn, of which there are dozens, and for vectors of the
-processor (`coopenv.compiled.lanes`) the last one knows. That takes half of the time of typing.
+processor (`coopenv.compiled.lanes`) the last one knows. It does so for each place where an operator
+stands, and once or twice again when the place is translated. That takes half of the time of typing.
+An ``@overload`` of an operator is asked for each time, as it is compiled with its caller's flags.
 """
 
 import operator
-from functools import cache
+from collections.abc import Callable
 from typing import Any
 
 from numba import types
-from numba.core.typing.context import Context
 
 _OPERATORS = frozenset((bool, *filter(callable, vars(operator).values())))
 
 
-class _Remembering(Context):
-    """A context of numba's, by another name: all that it knows or learns is that one's."""
+def remembering(ask: Callable[..., Any]) -> Callable[..., Any]:
+    """Numba's answer to what a function makes of types; one for each operator and its types."""
+    known: dict[Any, tuple[Any, Any]] = {}
 
-    def __init__(self, context: Context):
-        self.__dict__ = context.__dict__
-
-    def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
-        """As numba does it; once for each operator and the types that it is used on."""
-        called = func.typing_key if isinstance(func, types.Function) else func
-        if kws or called not in _OPERATORS or not all(map(_is_lasting, args)):
-            return super().resolve_function_type(func, args, kws)
-        key = (func, *args)
-        found = _known.get(key)
-        if found is None:  # what cannot be typed is asked for again, for the sake of its message
-            found = super().resolve_function_type(func, args, kws)
-            if found is not None:
-                _known[key] = found
+    def answer(function: Any, context: Any, args: Any, kws: Any) -> Any:
+        if kws or function.typing_key not in _OPERATORS or not all(map(_is_lasting, args)):
+            return ask(function, context, args, kws)
+        key = id(function), id(context), *args
+        if key in known:
+            return known[key][1]
+        found = ask(function, context, args, kws)  # raises where there is none
+        if function.get_impl_key(found) is function.typing_key:  # no `@overload`
+            known[key] = (function, context), found
         return found
+
+    return answer
 
 
 class Plain(types.Type):
@@ -47,5 +46,3 @@ def _is_lasting(kind: Any) -> bool:
 
 
 _LASTING = types.Number, types.Boolean, types.Array, types.SliceType, Plain
-remembering: Any = cache(_Remembering)  # one for each: numba remembers what it compiled for whom
-_known: dict[Any, Any] = {}

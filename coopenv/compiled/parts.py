@@ -135,11 +135,15 @@ def part(function: Callable[..., Any], **options: Any) -> Any:
     alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": _Pipeline}
     made: Any = njit(**options, **alone)(function)
     template = made.get_call_template
+    answers: dict[Any, Any] = {}
 
     def once_for_all_numbers(args: Any, keywords: Any) -> Any:
         """Numba would compile a function for every number that it is called with."""
         plain = {name: types.unliteral(kind) for name, kind in keywords.items()}
-        return template(tuple(map(types.unliteral, args)), plain)
+        key = tuple(map(types.unliteral, args)), tuple(plain.items())
+        if key not in answers:
+            answers[key] = template(key[0], plain)
+        return answers[key]
 
     made.get_call_template = once_for_all_numbers
     return made

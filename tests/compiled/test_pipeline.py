@@ -1,27 +1,30 @@
 """What our pipeline leaves out of numba's, and what it remembers."""
 
 import operator
+from typing import Any
 
 import numpy as np
 import pytest
 from numba import TypingError
-from numba.core.typing.context import Context
+from numba.core.types import functions
 
 from coopenv.compiled import compiled, inlined
 
 
 @pytest.fixture
 def asked(monkeypatch):
-    """How often numba is asked for the type of each operator's result."""
+    """How often numba looks for what each operator makes of types, ready to note failures."""
     counts = {}
-    resolve = Context.resolve_function_type
 
-    def counting(self, func, args, kws):
-        key = getattr(func, "typing_key", func), *args
-        counts[key] = counts.get(key, 0) + 1
-        return resolve(self, func, args, kws)
+    looking: Any = functions
 
-    monkeypatch.setattr(Context, "resolve_function_type", counting)
+    class Counting(looking._ResolutionFailures):
+        def __init__(self, context, function_type, args, kwargs, depth):
+            super().__init__(context, function_type, args, kwargs, depth)
+            key = function_type.typing_key, *args
+            counts[key] = counts.get(key, 0) + 1
+
+    monkeypatch.setattr(functions, "_ResolutionFailures", Counting)
     return counts
 
 
