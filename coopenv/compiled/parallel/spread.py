@@ -7,7 +7,7 @@ from numba import types
 from numba.core import cgutils
 
 from coopenv.compiled import instructions
-from coopenv.compiled.kinds import compiled, in_llvm, inlined
+from coopenv.compiled.kinds import compiled, in_llvm
 from coopenv.compiled.parallel.board import (
     ARGUMENTS,
     BED,
@@ -33,38 +33,6 @@ from coopenv.compiled.parallel.gates import nap
 _PATIENCE, _NAP = 100_000, 50  # looks for the last part, and then [µs] between them
 
 
-@in_llvm
-def _as_task(typingctx, kernel, arguments):
-    """Addresses of a task that calls ``kernel(start, stop, *arguments)``, and of the arguments.
-
-    They stay valid until the function returns that this is compiled into.
-    """
-    inner = kernel.get_call_type(typingctx, (types.intp, types.intp, *arguments), {})
-    if inner.return_type != types.none:
-        raise TypeError("a kernel that is spread must return nothing")
-    compiled_kernel = kernel.dispatcher.get_compile_result(inner)
-
-    def generate(context, builder, signature, values):
-        del signature
-        context.active_code_library.add_linking_library(compiled_kernel.library)
-        kept = cgutils.alloca_once_value(builder, values[1])
-        word = ir.IntType(64)
-        kind = ir.FunctionType(word, (word, word, word))
-        name = builder.module.get_unique_name(f"{builder.function.name}.task")
-        task = ir.Function(builder.module, kind, name=name)
-        task.linkage = "internal"
-        inside = ir.IRBuilder(task.append_basic_block("entry"))
-        loaded = inside.load(inside.inttoptr(task.args[0], kept.type))
-        lent = _lent(context, inside, arguments, loaded)
-        given = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, lent)]
-        status, _ = context.call_internal_no_propagate(inside, compiled_kernel.fndesc, inner, given)
-        inside.ret(inside.zext(status.is_error, word))
-        addresses = builder.ptrtoint(task, word), builder.ptrtoint(kept, word)
-        return context.make_tuple(builder, types.UniTuple(types.intp, 2), addresses)
-
-    return types.UniTuple(types.intp, 2)(kernel, arguments), generate
-
-
 def _lent(context, builder, kind, value):
     """A value whose arrays nobody counts references to.
 
@@ -85,7 +53,7 @@ def _lent(context, builder, kind, value):
 
 @instructions.instruction(types.intp, types.intp, types.intp, types.intp, types.intp)
 def _call(builder, task, arguments, start, stop):
-    """Call what `_as_task` made, for rows from ``start`` to before ``stop``; 1 if it failed."""
+    """Call what `_task` made, for rows from ``start`` to before ``stop``; 1 if it failed."""
     return instructions.call(builder, ir.IntType(64), task, arguments, start, stop)
 
 
@@ -130,8 +98,19 @@ def _together(board, parts, count, task, kept):
     return failed
 
 
-@inlined
-def spread(board, parts, count, kernel, arguments):
+@compiled
+def _do(board, parts, count, task, kept):
+    """Do a task, for which `spread` has made code and kept the arguments."""
+    if board == 0 or parts <= 1 or not exchanged(board, OWNER, 0, 1):
+        failed = _call(task, kept, 0, count)
+    else:
+        failed = _together(board, parts, count, task, kept)
+    if failed != 0:
+        raise MemoryError("memory must suffice for what compiled code works in")
+
+
+@in_llvm
+def spread(typingctx, board, parts, count, kernel, arguments):
     """Do ``kernel(start, stop, *arguments)`` for all rows from 0 to ``count``, in ``parts``.
 
     Threads of the crew take parts too; this returns when all are done. If another thread's job is
@@ -156,10 +135,40 @@ def spread(board, parts, count, kernel, arguments):
     MemoryError
         If a part could not be done: kernels raise nothing else.
     """
-    task, kept = _as_task(kernel, arguments)
-    if board == 0 or parts <= 1 or not exchanged(board, OWNER, 0, 1):
-        failed = _call(task, kept, 0, count)
-    else:
-        failed = _together(board, parts, count, task, kept)
-    if failed != 0:
-        raise MemoryError("memory must suffice for what compiled code works in")
+    inner = kernel.get_call_type(typingctx, (types.intp, types.intp, *arguments), {})
+    if inner.return_type != types.none:
+        raise TypeError("a kernel that is spread must return nothing")
+    compiled_kernel = kernel.dispatcher.get_compile_result(inner)
+    doing = types.Dispatcher(_do).get_call_type(typingctx, (types.intp,) * 5, {})
+    compiled_do = _do.get_compile_result(doing)
+
+    def generate(context, builder, signature, values):
+        *numbers, _, given = values
+        for made in (compiled_kernel, compiled_do):
+            context.active_code_library.add_linking_library(made.library)
+        task, kept = _task(context, builder, compiled_kernel.fndesc, inner, arguments, given)
+        places = zip(numbers, signature.args, strict=False)
+        numbers = [context.cast(builder, number, kind, types.intp) for number, kind in places]
+        called = [*numbers, task, kept]
+        return context.call_internal(builder, compiled_do.fndesc, doing, called)
+
+    return types.none(board, parts, count, kernel, arguments), generate
+
+
+def _task(context, builder, fndesc, inner, arguments, given):
+    """Addresses of a function that does a part of a kernel's rows, and of the arguments it takes.
+
+    They stay valid until the function returns that this is compiled into.
+    """
+    kept = cgutils.alloca_once_value(builder, given)
+    word = ir.IntType(64)
+    name = builder.module.get_unique_name(f"{builder.function.name}.task")
+    task = ir.Function(builder.module, ir.FunctionType(word, (word, word, word)), name=name)
+    task.linkage = "internal"
+    inside = ir.IRBuilder(task.append_basic_block("entry"))
+    loaded = inside.load(inside.inttoptr(task.args[0], kept.type))
+    lent = _lent(context, inside, arguments, loaded)
+    values = [task.args[1], task.args[2], *cgutils.unpack_tuple(inside, lent)]
+    status, _ = context.call_internal_no_propagate(inside, fndesc, inner, values)
+    inside.ret(inside.zext(status.is_error, word))
+    return builder.ptrtoint(task, word), builder.ptrtoint(kept, word)
