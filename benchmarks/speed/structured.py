@@ -20,7 +20,7 @@ from coopenv.wrench.conic import solver as conic
 from coopenv.wrench.conic.cone_program import ConeProgram
 from coopenv.wrench.settings import Settings
 from coopenv.wrench.structured import solver as structured
-from coopenv.wrench.structured.batch import ITERATIONS, REPORT, solve_batch
+from coopenv.wrench.structured.batch import ITERATIONS, REPORT, memory_for, solve_batch
 
 SIZES = (2, 3, 4, 10, 100, 1000)
 PAPER = {2: "0.4 (beam)", 3: "0.8", 4: "1.1", 10: "2.1"}  # [s], its own machine
@@ -97,7 +97,9 @@ def _timed(run: Callable[[], Any]) -> float:
 def _structured(applied: FloatArray, grips: FloatArray) -> tuple[float, float]:
     """Seconds a sample on one thread, and iterations."""
     manipulation, report = np.empty_like(applied), np.empty((len(applied), REPORT))
-    arguments = (applied, grips[None].copy(), 0.5, 0.0, structured.WANTED_GAP, manipulation, report)
+    settings = (0.5, 0.0, structured.WANTED_GAP)
+    memory = memory_for(applied.shape[1])
+    arguments = (applied, grips[None].copy(), *settings, manipulation, report, memory)
     solve_batch(*arguments)
     seconds = _timed(lambda: solve_batch(*arguments))
     return seconds / len(applied), float(report[:, ITERATIONS].mean())

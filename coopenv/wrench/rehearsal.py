@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from coopenv.arrays import FloatArray
+from coopenv.wrench.settings import Settings
 
 WITHOUT_TORQUE = ("max_internal", "one_dimensional", "net_force")  # methods that split forces only
 COMPUTED = (
@@ -41,8 +42,15 @@ def rehearse(decomposer: Any) -> None:
             getattr(decomposition, name)
         decomposition.energy_share(np.ones(size))
         decomposition.residuals()
-    if decomposer.solver == "structured":  # asks it where its own answer is not good enough
-        from coopenv.wrench.conic import solver as conic
+    if decomposer.solver == "structured":
+        one = grips.reshape(-1, *grips.shape[-2:])[:1]
+        _rehearse_rest(fighting.reshape(-1, *fighting.shape[-2:])[:1], one, decomposer.settings)
 
-        one = grips.reshape(-1, *grips.shape[-2:])[0]
-        conic.prepare(one, decomposer.settings)(fighting.reshape(-1, *fighting.shape[-2:])[0])
+
+def _rehearse_rest(applied: FloatArray, grips: FloatArray, settings: Settings) -> None:
+    """What the structured solver asks where its first kernel has no answer, or a doubtful one."""
+    from coopenv.wrench.conic import solver as conic
+    from coopenv.wrench.structured import solver as structured
+
+    structured.iterate(applied, grips, settings, kernel=structured.solve_batch)
+    conic.prepare(grips[0], settings)(applied[0])

@@ -13,7 +13,7 @@ from math import sqrt
 import numpy as np
 
 from coopenv.arrays import BoolArray, FloatArray
-from coopenv.compiled import compiled, gufunc
+from coopenv.compiled import compiled
 from coopenv.wrench.answer import Answer, Solve
 from coopenv.wrench.grasp import sum_at_centre
 from coopenv.wrench.measures import COST, WASTED_COST, level_kernel, level_parameters
@@ -28,7 +28,7 @@ GROWTH = 100.0  # 2 as two forces change; more than 20 in one of 10,000, in thin
 
 def nearly_coincide(grips: FloatArray) -> BoolArray:
     """Whether ``(...)`` rounding may decide on the optimum at grips ``(..., n, d)``."""
-    return np.isfinite(_least_lever(grips))
+    return np.isfinite(least_lever(grips))
 
 
 def with_rounding_counted(solve: Solve, grips: FloatArray, settings: Settings) -> Solve:
@@ -45,7 +45,7 @@ def with_rounding_counted(solve: Solve, grips: FloatArray, settings: Settings) -
     settings
         Torque weight and whether induced torque is costed.
     """
-    lever = _least_lever(grips)
+    lever = least_lever(grips)
     if not np.isfinite(lever).any():
         return solve
     return partial(_solve, solve, lever, grips, settings)
@@ -71,9 +71,17 @@ def _solve(
     return answer._replace(gap=np.maximum(answer.gap, np.minimum(below, cost)))
 
 
-def _least_lever(grips: FloatArray) -> FloatArray:
-    with np.errstate(invalid="ignore"):  # numba 0.61 sets the flag where no number is
-        return least_lever(grips)
+def least_lever(grips: FloatArray) -> FloatArray:
+    """Least lever ``(...)`` that decides between places where the optimum jumps [m].
+
+    Infinite if it is not tiny. Of two grips off a line through the centre of mass it is their
+    distance times that of the line from the centre of mass, relative to the longest lever. Of two
+    on such a line it is their distance. Grips that count as one have none.
+    """
+    lever = np.empty(grips.shape[:-2])
+    rows = np.array(grips, order="C").reshape(lever.size, *grips.shape[-2:])
+    _write_levers(rows, lever.reshape(-1))
+    return lever
 
 
 def _missed(applied: FloatArray, manipulation: FloatArray, grips: FloatArray) -> FloatArray:
@@ -118,14 +126,16 @@ def _area(grips, i, j):
     return sqrt(square)
 
 
-@gufunc("(n,d)->()", "void(float64[:,:], float64[:])")
-def least_lever(grips, lever):
-    """Least lever that decides between places where the optimum jumps [m]; infinite if not tiny.
+@compiled
+def _write_levers(grips, levers):
+    """Write the least lever of every set of grips."""
+    for k in range(len(grips)):
+        levers[k] = _least(grips[k])
 
-    Of two grips off a line through the centre of mass it is their distance times that of the line
-    from the centre of mass, relative to the longest lever. Of two on such a line it is their
-    distance. Grips that count as one have none.
-    """
+
+@compiled
+def _least(grips):
+    """`least_lever` of one set."""
     longest, least = 0.0, np.inf
     for i in range(grips.shape[0]):
         longest = max(longest, _length(grips, i, -1))
@@ -137,4 +147,4 @@ def least_lever(grips, lever):
             area = _area(grips, i, j)
             on_axis = area <= ON_AXIS * longest * min(apart, longest)
             least = min(least, apart if on_axis else area / longest)
-    lever[0] = least if least < NEAR * longest else np.inf
+    return least if least < NEAR * longest else np.inf

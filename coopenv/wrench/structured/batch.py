@@ -1,7 +1,10 @@
 """Solving a batch of samples with the structured solver: the compiled entry that Python calls."""
 
+from functools import cache
+
 import numpy as np
 
+from coopenv.arrays import FloatArray
 from coopenv.compiled import fused, fused_entry
 from coopenv.compiled.lanes.memory import TABLE_WIDTH, array_at, four_at, table_at
 from coopenv.compiled.lanes.vectors import LANES
@@ -20,7 +23,7 @@ from coopenv.wrench.structured.blocks import (
 )
 from coopenv.wrench.structured.bound import neglected, saving, undercut
 from coopenv.wrench.structured.feasible import clear, fit
-from coopenv.wrench.structured.interior_point import solve
+from coopenv.wrench.structured.interior_point import solving
 from coopenv.wrench.structured.tolerances import RETRIED_GAP, TRIFLE
 
 GAP, APPLIED_COST, COST = 0, 1, 2  # columns of a report [N]
@@ -34,7 +37,7 @@ SPARE_NUMBERS = 30
 
 
 @fused_entry
-def solve_batch(applied, grips, torque_weight, induced, tolerance, manipulation, report):
+def solve_batch(applied, grips, torque_weight, induced, tolerance, manipulation, report, memory):
     """Solve samples one after the other.
 
     Parameters
@@ -53,22 +56,55 @@ def solve_batch(applied, grips, torque_weight, induced, tolerance, manipulation,
         To be written, as ``applied``.
     report
         To be written, ``(m, REPORT)``: `GAP`, `APPLIED_COST`, `COST`, `ITERATIONS`, `UNDERCUT`.
+    memory
+        To work in, as `memory_for` makes it.
+
+    Returns
+    -------
+    Zero: no answer is lacking.
     """
-    chunks = chunks_for(applied.shape[1])
-    memory = np.zeros(_numbers_for(chunks))
-    sample, system, spare = _parted(memory.ctypes.data, chunks)
+    sample, system, spare = _parted(memory.ctypes.data, chunks_for(applied.shape[1]))
     options = Options(torque_weight, induced, tolerance)
     for j in range(applied.shape[0]):
         place = grips[j if grips.shape[0] > 1 else 0]
         answer, own = manipulation[j], report[j]
         _solve_sample(sample, system, spare, applied[j], place, options, answer, own)
-    memory[0] = 0.0  # keeps it alive: numba frees it after the last use it sees
+    return 0
 
 
-@fused
-def _numbers_for(chunks):
-    """Numbers of memory that a batch needs."""
-    blocks = (chunks + 1) * WIDTH * LANES  # one more for sums
+@fused_entry
+def solve_usual(applied, grips, torque_weight, induced, tolerance, manipulation, report, memory):
+    """`solve_batch` without what few samples need; of these `ITERATIONS` are below zero.
+
+    It is compiled in less time, and what it answers is answered alike.
+
+    Returns
+    -------
+    How many samples these are.
+    """
+    lacking = 0
+    sample, system, spare = _parted(memory.ctypes.data, chunks_for(applied.shape[1]))
+    options = Options(torque_weight, induced, tolerance)
+    for j in range(applied.shape[0]):
+        place = grips[j if grips.shape[0] > 1 else 0]
+        units = fill(sample, applied[j], place, options, spare)
+        iterations, gap, saved, slack = _answer_usual(sample, system, units, tolerance, False)
+        write(sample, applied[j], units, manipulation[j])
+        _tell(report[j], units, iterations, gap, saved, slack)
+        if iterations < 0 or _is_doubtful(report[j], tolerance):
+            report[j, ITERATIONS] = -1.0
+            lacking += 1
+    return lacking
+
+
+def memory_for(num_effectors: int) -> FloatArray:
+    """Memory for samples of so many effectors, one after the other; a thread needs its own."""
+    return np.zeros(_numbers_for(num_effectors))
+
+
+@cache
+def _numbers_for(num_effectors: int) -> int:
+    blocks = (chunks_for(num_effectors) + 1) * WIDTH * LANES  # one more for sums
     return blocks + SYSTEM * TABLE_WIDTH + SPARE_NUMBERS + LINE // NUMBER
 
 
@@ -95,27 +131,53 @@ def _solve_sample(sample, system, spare, wrench, grips, options, manipulation, r
     """Answer a sample; where that is not certified, try again with patience and keep the better."""
     report[GAP], report[APPLIED_COST], report[UNDERCUT] = np.inf, 0.0, 0.0
     for patient in (False, True):
-        if not report[GAP] > max(RETRIED_GAP, options.tolerance) * report[APPLIED_COST]:
+        if not _is_doubtful(report, options.tolerance):
             return
         units = fill(sample, wrench, grips, options, spare)
-        iterations, gap = 0, 0.0
         if patient:
             align(sample, wrench, grips, units, spare)
-        if units.cost > 0.0:
-            iterations, gap = solve(sample, system, options.tolerance, patient)
-            share_needed(sample, system)
-        unit, saved, slack = units.cost * units.force, saving(sample, ANSWER), 0.0
-        if iterations > 0:
-            gap, saved, slack = _weighed(sample, system, gap, saved)
-        slack += neglected(sample, system) if units.cost > 0.0 else 0.0
+        iterations, gap, saved, slack = _answer(sample, system, units, options.tolerance, patient)
         if patient:
-            if not (gap + slack) * unit < report[GAP] + report[UNDERCUT]:
+            if not (gap + slack) * units.cost * units.force < report[GAP] + report[UNDERCUT]:
                 return
             turn_back(sample, wrench, spare)
         write(sample, wrench, units, manipulation)
-        report[GAP], report[APPLIED_COST] = gap * unit, unit
-        report[COST], report[ITERATIONS] = (1.0 - saved) * unit, iterations
-        report[UNDERCUT] = slack * unit
+        _tell(report, units, iterations, gap, saved, slack)
+
+
+@fused
+def _is_doubtful(report, tolerance):
+    """Whether the gap is such that a second attempt is made."""
+    return report[GAP] > max(RETRIED_GAP, tolerance) * report[APPLIED_COST]
+
+
+@fused
+def _tell(report, units, iterations, gap, saved, slack):
+    """Write the row of a report."""
+    unit = units.cost * units.force
+    report[GAP], report[APPLIED_COST] = gap * unit, unit
+    report[COST], report[ITERATIONS] = (1.0 - saved) * unit, iterations
+    report[UNDERCUT] = slack * unit
+
+
+def _answering(for_all):
+    """Make what leaves an answer in the blocks, by `solving`."""
+    solve = solving(for_all)
+
+    @fused
+    def answer(sample, system, units, tolerance, patient):
+        """Return iterations, gap, saving and slack."""
+        iterations, gap = 0, 0.0
+        if units.cost > 0.0:
+            iterations, gap = solve(sample, system, tolerance, patient)
+            share_needed(sample, system)
+        saved, slack = saving(sample, ANSWER), 0.0
+        if iterations > 0:
+            gap, saved, slack = _weighed(sample, system, gap, saved)
+        slack += neglected(sample, system) if units.cost > 0.0 else 0.0
+        return iterations, gap, saved, slack
+
+    return answer
 
 
 @fused
@@ -130,3 +192,6 @@ def _weighed(sample, system, gap, saved):
         return gap, left, slack
     clear(sample)
     return max(gap + left, 0.0), 0.0, 0.0  # left is negative where sharing torques cost rounding
+
+
+_answer, _answer_usual = _answering(for_all=True), _answering(for_all=False)

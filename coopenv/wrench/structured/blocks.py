@@ -19,7 +19,7 @@ Where there are fewer than four, blocks without free coordinates fill the lanes.
 from typing import Any, NamedTuple
 
 from coopenv.arrays import FloatArray
-from coopenv.compiled import TINY, fused, fused_inlined
+from coopenv.compiled import TINY, anywhere, fused, fused_inlined
 from coopenv.compiled.lanes.memory import after, lane
 from coopenv.compiled.lanes.vectors import LANES, largest
 from coopenv.wrench.structured.cones import CONE
@@ -72,7 +72,7 @@ class Spare(NamedTuple):
     turn: FloatArray  # rotation of the frame in which torques are balanced (3, 3), see `alignment`
 
 
-@fused_inlined
+@anywhere
 def chunks_for(num_effectors):
     """Return how many chunks so many effectors need: two for every four."""
     return 2 * ((num_effectors + LANES - 1) // LANES)

@@ -53,77 +53,85 @@ from coopenv.wrench.structured.tolerances import (
 )
 
 
-@fused
-def solve(sample, system, tolerance, patient):
-    """Leave the best answer found in the blocks; return the number of iterations and its gap.
+def solving(for_all):
+    """Make `solve`: for all samples, or for usual ones, which is compiled in less time."""
 
-    Gaps and savings are relative to J(h). Iterating stops once the gap is within the tolerance, or
-    once it is within `GOOD_GAP` and hardly falls any more. Patient iterations are up to three times
-    as many. They reach a thin set from far outside, where others meet a ball before they are
-    balanced and stay there.
-    """
-    # where forces agree, share the torques
-    mark_alive(sample, system)
-    sine = disagreement(sample, system)
-    gap_shared = np.inf
-    if sine < THIN:
-        gap_shared = certify(sample, system, sine)
-        if gap_shared <= GOOD_GAP or sine <= PARALLEL:
-            return 0, gap_shared
+    @fused
+    def solve(sample, system, tolerance, patient):
+        """Leave the best answer found in the blocks; return the number of iterations and its gap.
 
-    # start
-    start(sample, system)
-    if sine < THIN:
-        start_near(sample, system, sine)
-    newest, saved, mean, multiplier = take(sample, system, 0.0, 0.0)
-    bound, kept, gap = np.inf, -np.inf, np.inf
-    least, stalled, idle, began, suspicious = np.inf, 0, 0, 0, SUSPECT_MULTIPLIER
-    balanced = BALANCED_PATIENT if patient else BALANCED
-    usual = USUAL_ITERATIONS + num_chunks(sample) // CHUNKS_PER_ITERATION
-    iteration = 0
-    for iteration in range(MAX_ITERATIONS):
-        # bound what can be saved
-        bound = min(bound, newest)
-        if bound <= GOOD_GAP:
-            break
+        Gaps and savings are relative to J(h). Iterating stops once the gap is within the tolerance,
+        or once it is within `GOOD_GAP` and hardly falls any more. Patient iterations are up to
+        three times as many. They reach a thin set from far outside, where others meet a ball before
+        they are balanced and stay there. A number below zero says that there is no answer, since
+        something may be immovable and `for_all` is not wanted.
+        """
+        # where forces agree, share the torques
+        mark_alive(sample, system)
+        sine = disagreement(sample, system)
+        gap_shared = np.inf
+        if sine < THIN:
+            gap_shared = certify(sample, system, sine)
+            if gap_shared <= GOOD_GAP or sine <= PARALLEL:
+                return 0, gap_shared
 
-        # keep the best answer, and stop where it is good enough
-        slow = stalled > 0 or iteration >= usual
-        careful = patient or slow or sine < CLOSE
-        promising = PROMISING_GAP if careful else PROMISING_GAP_OF_LONG_STEPS
-        if iteration > began and bound - saved <= promising:
-            kept = _keep(sample, settle(sample, system, G, EXCESS, balanced), kept)
-            idle = idle + 1 if bound - kept > IDLE * gap else 0
-            gap = min(gap, bound - kept)
-            if gap <= tolerance or (gap <= GOOD_GAP and idle > MAX_IDLE):
+        # start
+        start(sample, system)
+        if sine < THIN:
+            start_near(sample, system, sine)
+        newest, saved, mean, multiplier = take(sample, system, 0.0, 0.0)
+        bound, kept, gap = np.inf, -np.inf, np.inf
+        least, stalled, idle, began, suspicious = np.inf, 0, 0, 0, SUSPECT_MULTIPLIER
+        balanced = BALANCED_PATIENT if patient else BALANCED
+        usual = USUAL_ITERATIONS + num_chunks(sample) // CHUNKS_PER_ITERATION
+        iteration = 0
+        for iteration in range(MAX_ITERATIONS):
+            # bound what can be saved
+            bound = min(bound, newest)
+            if bound <= GOOD_GAP:
                 break
 
-        # stop where there is no progress
-        residual = largest_component(system, BALANCE) + mean
-        stalled = 0 if residual < STALLED * least else stalled + 1
-        least = min(least, residual)
-        if stalled > MAX_STALLED and not patient:
-            break
+            # keep the best answer, and stop where it is good enough
+            slow = stalled > 0 or iteration >= usual
+            careful = patient or slow or sine < CLOSE
+            promising = PROMISING_GAP if careful else PROMISING_GAP_OF_LONG_STEPS
+            if iteration > began and bound - saved <= promising:
+                kept = _keep(sample, settle(sample, system, G, EXCESS, balanced), kept)
+                idle = idle + 1 if bound - kept > IDLE * gap else 0
+                gap = min(gap, bound - kept)
+                if gap <= tolerance or (gap <= GOOD_GAP and idle > MAX_IDLE):
+                    break
 
-        # predict, correct and take the step
-        primal, dual = _find_step(sample, system, mean, slow, careful, patient)
-        if not (primal > NO_STEP or dual > NO_STEP):  # also where they are not numbers
-            break
-        newest, saved, mean, multiplier = take(sample, system, primal, dual)
+            # stop where there is no progress
+            residual = largest_component(system, BALANCE) + mean
+            stalled = 0 if residual < STALLED * least else stalled + 1
+            least = min(least, residual)
+            if stalled > MAX_STALLED and not patient:
+                break
 
-        # where a multiplier grows without end, fix what cannot move and start afresh
-        if multiplier > suspicious and gap > GOOD_GAP:
-            suspicious = SUSPECT_GROWTH * multiplier
-            fixed = fix_immovable(sample, system, multiplier)
-            mark_alive(sample, system)
-            if fixed:
-                start(sample, system)
-                newest, saved, mean, multiplier = take(sample, system, 0.0, 0.0)
-                bound, kept, gap_shared = np.inf, -np.inf, np.inf
-                least, stalled, began = np.inf, 0, iteration + 1
-                suspicious = SUSPECT_MULTIPLIER
-    iterated = iteration > began
-    return iteration, _best_answer(sample, system, bound, gap_shared, kept, iterated, balanced)
+            # predict, correct and take the step
+            primal, dual = _find_step(sample, system, mean, slow, careful, patient)
+            if not (primal > NO_STEP or dual > NO_STEP):  # also where they are not numbers
+                break
+            newest, saved, mean, multiplier = take(sample, system, primal, dual)
+
+            # where a multiplier grows without end, fix what cannot move and start afresh
+            if multiplier > suspicious and gap > GOOD_GAP:
+                if not for_all:
+                    return -1, np.inf
+                suspicious = SUSPECT_GROWTH * multiplier
+                fixed = fix_immovable(sample, system, multiplier)
+                mark_alive(sample, system)
+                if fixed:
+                    start(sample, system)
+                    newest, saved, mean, multiplier = take(sample, system, 0.0, 0.0)
+                    bound, kept, gap_shared = np.inf, -np.inf, np.inf
+                    least, stalled, began = np.inf, 0, iteration + 1
+                    suspicious = SUSPECT_MULTIPLIER
+        iterated = iteration > began
+        return iteration, _best_answer(sample, system, bound, gap_shared, kept, iterated, balanced)
+
+    return solve
 
 
 @fused

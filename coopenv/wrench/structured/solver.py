@@ -23,7 +23,9 @@ are.
 Source: Donner, Endo & Buss 2018, eqs. 17-21; the reduction and the bound are our own.
 """
 
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -31,8 +33,19 @@ from coopenv.arrays import FloatArray, in_rows
 from coopenv.wrench.answer import Answer, Prepare, Solve
 from coopenv.wrench.cores import on_all_cores
 from coopenv.wrench.settings import Settings
-from coopenv.wrench.structured.batch import APPLIED_COST, GAP, REPORT, UNDERCUT, solve_batch
+from coopenv.wrench.structured.batch import (
+    APPLIED_COST,
+    GAP,
+    ITERATIONS,
+    REPORT,
+    UNDERCUT,
+    memory_for,
+    solve_batch,
+    solve_usual,
+)
 from coopenv.wrench.structured.tolerances import ACCEPTED_GAP, WANTED_GAP, WANTED_GAP_IN_PLANE
+
+Kernel = Callable[..., int]  # `solve_usual` or `solve_batch`
 
 WORTH_A_THREAD = 200  # effectors that occupy a core long enough for one to be started
 
@@ -75,7 +88,11 @@ def _solve(
 
 
 def iterate(
-    applied: FloatArray, grips: FloatArray, settings: Settings, tolerance: float = WANTED_GAP
+    applied: FloatArray,
+    grips: FloatArray,
+    settings: Settings,
+    tolerance: float = WANTED_GAP,
+    kernel: Kernel = solve_usual,
 ) -> tuple[FloatArray, FloatArray]:
     """Solve without falling back, on all cores where that pays; the same bits on any number.
 
@@ -90,6 +107,9 @@ def iterate(
     tolerance
         Gap at which to stop, relative to the applied cost; below `WANTED_GAP` only as long as it
         falls fast.
+    kernel
+        What is asked first. Those few samples that `solve_usual` leaves out are given to
+        `solve_batch`, which is compiled when there are some.
 
     Returns
     -------
@@ -100,11 +120,17 @@ def iterate(
     manipulation, report = np.empty(applied.shape), np.empty((len(applied), REPORT))
     weight, induced = settings.torque_weight, float(settings.include_induced)
 
+    def ask(kernel: Kernel, rows: Any, answer: FloatArray, own: FloatArray) -> int:
+        place = grips[rows] if len(grips) > 1 else grips
+        memory = memory_for(applied.shape[1])
+        return kernel(applied[rows], place, weight, induced, tolerance, answer, own, memory)
+
     def solve(part: slice) -> None:
-        place = grips[part] if len(grips) > 1 else grips
-        solve_batch(
-            applied[part], place, weight, induced, tolerance, manipulation[part], report[part]
-        )
+        if ask(kernel, part, manipulation[part], report[part]) > 0:
+            lacking = np.flatnonzero(report[part, ITERATIONS] < 0) + (part.start or 0)
+            answer, own = manipulation[lacking], report[lacking]
+            ask(solve_batch, lacking, answer, own)
+            manipulation[lacking], report[lacking] = answer, own
 
     on_all_cores(solve, len(applied), WORTH_A_THREAD / applied.shape[1])
     return manipulation, report
