@@ -37,8 +37,13 @@ HANDS_OBSERVED: Mapping[str, tuple[str, ...]] = {
 }
 """Both where agents move hands: those who turn a body on wheels see how far their hands are off."""
 
+SHARED_PRESETS: Mapping[str, Mapping[str, Any]] = {
+    "coopenv/WalkerAvoid-v0": {**_THOROUGH, "steps": 1_800_000},
+}
+"""The same where every agent runs one policy, of whom one is not told the goal."""
 
-def preset(env: str, action: str | None = None) -> dict[str, Any]:
+
+def preset(env: str, action: str | None = None, control: str | None = None) -> dict[str, Any]:
     """Settings of a training in the environment of a Gymnasium id; none for one of your own.
 
     Parameters
@@ -47,9 +52,13 @@ def preset(env: str, action: str | None = None) -> dict[str, Any]:
         The id, with the module that registers it before a colon or without.
     action
         What agents give, if not what the environment has.
+    control
+        Who learns, if not one policy for the team.
     """
     name = _id(env)
     found = HANDS_PRESETS.get(name) if action in BY_HANDS else None
+    if found is None and control == "shared":
+        found = SHARED_PRESETS.get(name)
     return dict(PRESETS.get(name, {}) if found is None else found)
 
 
@@ -110,5 +119,6 @@ def train_config(environment: EnvironmentChoice | str, **settings: Any) -> Train
     """
     if isinstance(environment, str):
         environment = EnvironmentChoice(env=environment)
-    given = {**preset(environment.env, environment.action), **settings}
+    control = settings.get("control")
+    given = {**preset(environment.env, environment.action, control), **settings}
     return observing(TrainConfig(environment=environment, **given))

@@ -55,22 +55,24 @@ class Train:
     )
 
     @classmethod
-    def suited(cls, env: str | None = None, action: str | None = None) -> Self:
-        """The command with the settings that an environment's id has, with such actions."""
+    def suited(
+        cls, env: str | None = None, action: str | None = None, control: str | None = None
+    ) -> Self:
+        """The command with the settings that an environment's id has, such actions and learners."""
         chosen = EnvironmentChoice() if env is None else EnvironmentChoice(env=env)
-        settings = preset(chosen.env, action)
+        settings = preset(chosen.env, action, control)
         return cls(training=TrainConfig(environment=chosen, **settings))
 
     @classmethod
     def configured(
-        cls, path: Path, trust: Trust = False, env: str | None = None, action: str | None = None
+        cls, path: Path, trust: Trust = False, env: str | None = None, **others: str | None
     ) -> Self:
         """The command with the options of a file, which may import the modules that are trusted.
 
-        What the file does not say is as ``env`` and ``action`` have it, or where they are ``None``
-        the file's.
+        What the file does not say is as ``env``, ``action`` and ``control`` have it, or where they
+        are ``None`` the file's.
         """
-        return cls(**runfile.training(path, trust, env, action))
+        return cls(**runfile.training(path, trust, env, **others))
 
     def __post_init__(self) -> None:
         evaluation_seeds(0, whole(self.episodes, "episodes", at_least=1))

@@ -25,8 +25,8 @@ NOT_IN_FILES = ("config", "trust")  # what a file cannot say
 def before(arguments: Sequence[str], commands: Mapping[str, type], missing: Any) -> Any:
     """The command as it is before options are given; None if it is always so.
 
-    With the options of the file that ``--config`` names, and what suits the id that ``--env`` does
-    and the actions that ``--action`` does.
+    With the options of the file that ``--config`` names, and what suits the id that ``--env`` does,
+    the actions that ``--action`` and the learners that ``--control`` does.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def before(arguments: Sequence[str], commands: Mapping[str, type], missing: Any)
     if kind is None:
         return None
     config, suited = _value_of("--config", arguments), getattr(kind, "suited", None)
-    named = {name: _value_of(f"--{name}", arguments) for name in ("env", "action")}
+    named = {name: _value_of(f"--{name}", arguments) for name in ("env", "action", "control")}
     chosen = {name: value for name, value in named.items() if value}
     if not config:
         return suited(**chosen) if suited is not None and chosen else None

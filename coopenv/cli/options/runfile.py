@@ -66,12 +66,16 @@ def load(path: Path, trust: Trust = False) -> dict[str, Any]:
 
 
 def training(
-    path: Path, trust: Trust = False, env: str | None = None, action: str | None = None
+    path: Path,
+    trust: Trust = False,
+    env: str | None = None,
+    action: str | None = None,
+    control: str | None = None,
 ) -> dict[str, Any]:
     """Options of ``coopenv train`` in a file, as its fields.
 
-    Settings that the file does not name are the preset of ``env`` and ``action``, or where they are
-    ``None`` of the file's.
+    Settings that the file does not name are the preset of ``env``, ``action`` and ``control``, or
+    where they are ``None`` of the file's.
     """
     content = load(path, trust)
     values = {name: content[name] for name in TRAINING if name in content}
@@ -84,7 +88,8 @@ def training(
     if not isinstance(comparison.get("gif", True), bool):
         raise InvalidInput(f"gif must be true or false, got {comparison['gif']!r}; write one")
     chosen = values["environment"]
-    settings = {**preset(env or chosen.env, action or chosen.action), **values}
+    which = env or chosen.env, action or chosen.action, control or values.get("control")
+    settings = {**preset(*which), **values}
     return {"training": TrainConfig(**settings), **comparison}
 
 

@@ -17,6 +17,7 @@ from coopenv.observation.observation import find_block
 
 DOORWAY = "coopenv/BeamDoorway-v0"
 AVOID = "coopenv/WalkerAvoid-v0"
+DEFAULT = "coopenv/BeamTransport-v0"
 MINE = preset(DOORWAY)
 
 
@@ -57,6 +58,18 @@ def test_walkers_led_by_hands_have_settings_of_their_own(tmp_path):
     assert trained("--config", file, "--action", "motion") == train_config(by_hands)
     file.write_text(f'[environment]\nenv = "{AVOID}"\naction = "motion"\n')
     assert trained("--config", file) == train_config(by_hands)
+
+
+def test_walkers_whose_agents_share_a_policy_learn_for_longer(tmp_path):
+    shared = train_config(AVOID, control="shared")
+    assert shared.steps > train_config(AVOID).steps
+    assert seen(shared) == seen(train_config(AVOID))
+    assert trained("--env", AVOID, "--control", "shared") == shared
+    assert trained("--control=shared") == train_config(DEFAULT, control="shared")
+    file = tmp_path / "run.toml"
+    file.write_text(f'control = "shared"\n[environment]\nenv = "{AVOID}"\n')
+    assert trained("--config", file) == shared
+    assert trained("--config", file, "--control", "joint") == train_config(AVOID)
 
 
 def test_an_id_of_ones_own_has_the_defaults():
