@@ -74,14 +74,18 @@ def of(
 
 def test_the_page_shows_every_run_and_every_trial_that_was_saved():
     made = runs.saved()
-    shown = {"algorithms": tables.table(made), "cost": tables.cost(made)}
+    shown = {
+        "algorithms": tables.table(made),
+        "hands": tables.hands(made),
+        "cost": tables.cost(made),
+    }
     shown["search"] = search.table(search.saved())
     assert filled(tables.PAGE, shown) == tables.PAGE.read_text(encoding="utf-8")
 
 
 def test_every_run_has_the_settings_that_the_command_has_today():
     for run in runs.saved():
-        assert command.is_of(run, run.algorithm, run.env, run.seed), run
+        assert command.is_of(run, command.Piece(run.algorithm, run.env, run.action, run.seed)), run
 
 
 def test_the_trials_are_those_of_the_space_on_seeds_of_no_table():
@@ -121,6 +125,39 @@ def test_a_table_has_a_row_a_run_by_algorithm_and_seed_and_without_runs_there_is
     _, _, *rows = tables.table([of("mappo"), of("sac", 1), of("sac")]).splitlines()
     assert [line.split(" | ")[1:3] for line in rows] == [["SAC", "0"], ["SAC", "1"], ["MAPPO", "0"]]
     assert tables.table([]) == tables.cost([]) == search.table([]) == tables.NONE
+
+
+def test_runs_by_hands_have_a_table_and_files_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "FOLDER", tmp_path)
+    plain, by_hands = of("sac"), replace(of("sac"), action="motion")
+    for run in (plain, by_hands):
+        runs.save(run)
+    assert runs.saved("sac", plain.task) == [plain]
+    assert runs.saved("sac", by_hands.task) == [by_hands]
+    assert len(tables.table([by_hands, plain]).splitlines()) == 3
+    assert tables.hands([plain]) == tables.table([by_hands]) == tables.NONE
+    assert tables.cost([plain, by_hands]) == tables.cost([plain])
+
+
+def test_actions_that_an_environment_has_anyway_are_no_others():
+    asked = command.Algorithms(envs=("BeamLift",), only=("sac",), actions=("wrench", "motion"))
+    assert [piece.action for piece in command.planned(asked)] == [None, "motion"]
+
+
+@pytest.mark.parametrize("name", runs.NAMES)
+def test_an_algorithm_trains_by_hands_and_its_policy_can_be_entered(name, tmp_path, monkeypatch):
+    settings = {**runs.settings_of(name, "BeamLift", "motion"), **TINY[name]}
+    monkeypatch.setattr(MODULES[name], "settings", lambda env, action: settings)
+    monkeypatch.setattr(runs, "FOLDER", tmp_path / "runs")
+    monkeypatch.setattr(runs, "EPISODES", 2)
+    asked = command.Algorithms(
+        only=(name,), envs=("BeamLift",), actions=("motion",), policies=tmp_path
+    )
+    (run,) = command.run_all(asked, lambda line: None)
+    assert (run.action, run.steps) == ("motion", 64)
+    entry = read_entry(str(policies.file_of(tmp_path, name, "{task}_motion", run.seed)))
+    hands = Scenario(name="it", env="BeamLift", settings={"horizon": 10, "action": "motion"})
+    assert run_episodes(entry.policy(hands), hands.config, episodes=2).reward.shape[0] == 2
 
 
 def test_costs_are_medians_of_those_that_got_there_beside_ppo():
@@ -166,7 +203,7 @@ def test_truncated_episodes_are_no_ends_to_sac():
 @pytest.mark.parametrize("name", runs.NAMES)
 def test_an_algorithm_trains_is_tested_saved_and_not_asked_for_again(name, tmp_path, monkeypatch):
     settings = {**runs.settings_of(name, "BeamTransport"), **TINY[name]}
-    monkeypatch.setattr(MODULES[name], "settings", lambda env: settings)
+    monkeypatch.setattr(MODULES[name], "settings", lambda env, action: settings)
     monkeypatch.setattr(runs, "FOLDER", tmp_path)
     monkeypatch.setattr(runs, "EPISODES", 4)
     told: list[str] = []
@@ -176,7 +213,7 @@ def test_an_algorithm_trains_is_tested_saved_and_not_asked_for_again(name, tmp_p
     assert run.settings == settings
     assert run.seconds >= 0
     assert command.run_all(asked, told.append) == [run]
-    assert told == [json.dumps(asdict(run))]
+    assert told == [json.dumps(run.to_dict())]
     settings["num_worlds"] = 2  # other settings now, and no time
     command.run_all(replace(asked, minutes=0.0), told.append)
     assert told[-1] == "the budget is spent; the same command goes on"
@@ -185,7 +222,7 @@ def test_an_algorithm_trains_is_tested_saved_and_not_asked_for_again(name, tmp_p
 @pytest.mark.parametrize("name", runs.NAMES)
 def test_a_policy_that_is_kept_is_entered_and_acts_as_it_did(name, tmp_path, monkeypatch):
     settings = {**runs.settings_of(name, "BeamLift"), **TINY[name]}
-    monkeypatch.setattr(MODULES[name], "settings", lambda env: settings)
+    monkeypatch.setattr(MODULES[name], "settings", lambda env, action: settings)
     monkeypatch.setattr(runs, "FOLDER", tmp_path / "runs")
     monkeypatch.setattr(runs, "EPISODES", 2)
     told: list[str] = []

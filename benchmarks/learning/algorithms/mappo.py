@@ -14,11 +14,11 @@ from tensordict import TensorDict, TensorDictBase
 from torchrl.modules import ProbabilisticActor
 
 from benchmarks.learning.algorithms.curve import Curve
+from benchmarks.learning.algorithms.environment import environment_of
 from coopenv.agents import torchrl
 from coopenv.agents.noise import Keyed, normals
 from coopenv.agents.policy import Policy
 from coopenv.agents.seeds import training_seeds
-from coopenv.agents.training.presets import train_config
 from coopenv.envs.registry import PREFIX
 from coopenv.transition import Transition
 from examples.train_torchrl import Config, train
@@ -32,19 +32,23 @@ OF: Mapping[str, Mapping[str, int]] = {
     "WalkerAvoid": {"total_steps": 1_200_000},
     "BeamLift": {"total_steps": 600_000, "minibatch": 2048},
 }
+BY_HANDS: Mapping[str, Mapping[str, int]] = {"WalkerAvoid": {"total_steps": 2_400_000}}
 
 
-def settings(env: str) -> dict[str, Any]:
+def settings(env: str, action: str | None = None) -> dict[str, Any]:
     """Those with which it is trained: of the example's `Config`."""
-    config = Config(env=f"{PREFIX}{env}-v0", **{**SETTINGS, **OF[env]})
+    by_hands = BY_HANDS.get(env, {}) if action else {}
+    config = Config(env=f"{PREFIX}{env}-v0", **{**SETTINGS, **OF[env], **by_hands})
     apart = ("seed", "episodes")
     return {name: value for name, value in asdict(config).items() if name not in apart}
 
 
-def learn(env: str, seed: int, given: dict[str, Any]) -> tuple["Actors", Curve]:
+def learn(
+    env: str, seed: int, given: dict[str, Any], action: str | None = None
+) -> tuple["Actors", Curve]:
     """Train with such settings."""
     config = replace(Config(**given), seed=seed)
-    environment = train_config(config.env).environment.config()
+    environment = environment_of(env, action)
     curve = Curve(environment.horizon, config.num_worlds)
     first = training_seeds(seed, config.num_worlds)[0]
     worlds = torchrl.make_env(environment, config.num_worlds, seed=first, info=("success",))

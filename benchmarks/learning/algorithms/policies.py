@@ -20,9 +20,9 @@ SUFFIXES = {"sac": ".zip", "recurrent": ".zip", "mappo": ".npz"}
 _LEARNED, _SPREAD = ".params.", ".state_independent_scale"  # in names of weights of an actor
 
 
-def file_of(folder: Path, name: str, env: str, seed: int) -> Path:
+def file_of(folder: Path, name: str, task: str, seed: int) -> Path:
     """Of a run's policy; entered as ``FOLDER/sac_{task}_0.zip``."""
-    return folder / f"{name}_{env}_{seed}{SUFFIXES[name]}"
+    return folder / f"{name}_{task}_{seed}{SUFFIXES[name]}"
 
 
 def keep(policy: Policy, path: Path, config: TransportConfig, *, seed: int, steps: int) -> None:

@@ -20,15 +20,24 @@ OF: Mapping[str, Mapping[str, Any]] = {  # what differs from `START`, by the sea
     "WalkerAvoid": {"steps": 600_000, **MORE, "epochs": 10},
     "BeamLift": {"steps": 1_800_000, **MORE, "residual": True},
 }
+BY_HANDS: Mapping[str, Mapping[str, Any]] = {  # longer where hands move the body
+    "BeamTransport": {"steps": 600_000},
+    "BeamTracking": {"steps": 600_000},
+    "BeamDoorway": {"steps": 2_400_000},
+    "WalkerAvoid": {"steps": 1_200_000},
+}
 SEARCHED = ("units", "residual", "num_worlds", "rollout", "epochs", "batch_size", "learning_rate")
 START = {name: getattr(RecurrentConfig(), name) for name in SEARCHED}
 
 
-def settings(env: str) -> dict[str, Any]:
+def settings(env: str, action: str | None = None) -> dict[str, Any]:
     """Those with which it is trained."""
-    return {**START, **OF[env]}
+    by_hands = BY_HANDS.get(env, {}) if action else {}
+    return {**START, **OF[env], **by_hands}
 
 
-def learn(env: str, seed: int, given: dict[str, Any]) -> tuple[SB3Policy, Curve]:
+def learn(
+    env: str, seed: int, given: dict[str, Any], action: str | None = None
+) -> tuple[SB3Policy, Curve]:
     """Train with such settings of a `RecurrentConfig`."""
-    return learned(RecurrentConfig(**given), env, seed)
+    return learned(RecurrentConfig(**given), env, seed, action)

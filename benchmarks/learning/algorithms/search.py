@@ -17,6 +17,7 @@ from typing import Any
 import tyro
 from rich.console import Console
 
+from benchmarks.learning.algorithms.environment import environment_of
 from benchmarks.learning.algorithms.runs import FOLDER, NAMES
 from benchmarks.learning.algorithms.space import KEPT, OF, SEED, Changed, Searched
 from benchmarks.learning.algorithms.tables import NONE, PAGE, TITLES
@@ -24,9 +25,7 @@ from benchmarks.learning.baselines import LEVELS, names, reached
 from benchmarks.learning.budget import lacking
 from benchmarks.pages import fill, markdown
 from coopenv.agents.evaluate import evaluate
-from coopenv.agents.training.presets import train_config
 from coopenv.agents.training.threads import torch_threads
-from coopenv.envs.registry import PREFIX
 from coopenv.files import written
 
 SEARCHED: tuple[Searched, ...] = ("ppo", *NAMES)
@@ -87,7 +86,7 @@ def run(name: Searched, env: str, changed: Changed) -> Trial:
     """Train once and test."""
     module = import_module(f"{__package__}.{name}")
     settings = {**module.settings(env), **OF[name].settings(env, changed)}
-    environment = train_config(f"{PREFIX}{env}-v0").environment.config()
+    environment = environment_of(env)
     with torch_threads(1):
         began = time.process_time()
         policy, curve = module.learn(env, SEED, settings)

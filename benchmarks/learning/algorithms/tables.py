@@ -15,8 +15,18 @@ COLUMNS = ("environment", "algorithm", *FIGURES, *REACHED)
 
 
 def table(runs: Sequence[Run]) -> str:
-    """One row a run; a sentence where there is none."""
-    return markdown(COLUMNS, [row(run) for run in placed(runs)]) if runs else NONE
+    """One row a run with the environment's own actions; a sentence where there is none."""
+    return _rows(run for run in runs if run.action is None)
+
+
+def hands(runs: Sequence[Run]) -> str:
+    """One row a run of teams that move hands; a sentence where there is none."""
+    return _rows(run for run in runs if run.action == "motion")
+
+
+def _rows(runs: Iterable[Run]) -> str:
+    shown = placed([*runs])
+    return markdown(COLUMNS, [row(run) for run in shown]) if shown else NONE
 
 
 def placed(runs: Sequence[Run]) -> list[Run]:
@@ -36,12 +46,13 @@ def row(run: Run) -> tuple[str, ...]:
 
 def cost(runs: Sequence[Run]) -> str:
     """Seconds until 98 %, one row an environment, PPO's beside the others'."""
-    if not runs:
+    shown = [one for one in runs if one.action is None]
+    if not shown:
         return NONE
     columns = ("environment", "PPO, joint", "PPO, shared", *(TITLES[name] for name in NAMES))
     rows = []
     for env in baselines.names():
-        mine = [one for one in runs if one.env == env]
+        mine = [one for one in shown if one.env == env]
         rows.append(
             (
                 env,
