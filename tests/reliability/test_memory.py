@@ -32,8 +32,8 @@ def test_ten_thousand_resets_leave_nothing_behind(name):
         core.reset()
         core.step(action)
 
-    check_flat(growth(between_steps, warm_up=10, times=TIMES), fewer_than=50, c_bytes=80_000)
-    check_flat(growth(core.reset, warm_up=10, times=TIMES), fewer_than=50, c_bytes=80_000)
+    check_flat(growth(between_steps, warm_up=10, times=TIMES), fewer_than=50, c_bytes=40_000)
+    check_flat(growth(core.reset, warm_up=10, times=TIMES), fewer_than=50, c_bytes=40_000)
     solids = sum(len(scene.walls()) + len(scene.obstacles) for scene in core.scenes)
     assert shapes(core) == (WORLDS + solids, solids)
 
@@ -61,7 +61,7 @@ def test_environments_that_come_and_go_leave_nothing_behind(name):
             env.close()
 
     times = 100 // len(makers) + 1
-    check_flat(growth(come_and_go, warm_up=5, times=times), fewer_than=50, c_bytes=80_000)
+    check_flat(growth(come_and_go, warm_up=5, times=times), fewer_than=50, c_bytes=40_000)
 
 
 def test_pictures_leave_nothing_behind():
